@@ -1,0 +1,59 @@
+"""Messages to bytes and back: one MessagePack map each, header and fields side by side."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+import msgpack
+
+from shared.fields import InvalidField, Record
+from shared.messages import Header
+
+MAP_CAP = 64 * 1024
+"""Largest payload [bytes] of a query, and of every message that is not an image."""
+
+M = TypeVar("M", bound=Record)
+
+
+class Rejected(ValueError):
+    """A payload is not a message of the contract; the text says why. It must be counted and never used."""
+
+
+def encode(message: Record, header: Header) -> bytes:
+    """The payload of a message."""
+    return msgpack.packb(header.to_plain() | message.to_plain())
+
+
+def decode(message_class: type[M], payload: bytes, cap: int = MAP_CAP) -> tuple[Header, M]:
+    """Header and message of a payload.
+
+    Raises:
+        Rejected: too large, no MessagePack map, a field missing, of wrong type or shape, or not finite.
+    """
+    data = decode_map(payload, cap)
+    try:
+        return Header.from_plain(data), message_class.from_plain(data)
+    except InvalidField as problem:
+        raise Rejected(str(problem)) from None
+
+
+def encode_map(data: dict[str, Any]) -> bytes:
+    """The payload of a query's request or reply."""
+    return msgpack.packb(data)
+
+
+def decode_map(payload: bytes, cap: int = MAP_CAP) -> dict[str, Any]:
+    """A MessagePack map with text keys.
+
+    Raises:
+        Rejected: too large, not MessagePack, or not such a map.
+    """
+    if len(payload) > cap:
+        raise Rejected(f"{len(payload)} bytes, at most {cap} are allowed")
+    try:
+        data = msgpack.unpackb(payload)
+    except (ValueError, msgpack.exceptions.UnpackException, OverflowError, TypeError) as problem:
+        raise Rejected(f"not MessagePack ({type(problem).__name__})") from None
+    if not isinstance(data, dict) or not all(isinstance(key, str) for key in data):
+        raise Rejected(f"{type(data).__name__}, wanted a map with text keys")
+    return data

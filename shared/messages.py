@@ -1,0 +1,297 @@
+"""The messages of the Zenoh contract, version 1: one class each, with unit, shape and frame of every field.
+
+Unless a field says otherwise it is expressed in the axes of ``base`` (the robot's ``base_footprint``). Twists are those
+of the tool's origin relative to ``base``; wrenches are what the environment exerts on the robot. The header is not part
+of a message: the publisher's framework adds it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shared.fields import (
+    Boolean,
+    Bytes,
+    Integer,
+    MapOf,
+    Number,
+    Quaternion,
+    Record,
+    RecordOf,
+    Text,
+    TextList,
+    Vector,
+    of,
+)
+
+_ZERO3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Header(Record):
+    """What every published message carries besides its fields."""
+
+    seq: int = of(Integer(minimum=0, doc="+1 per message of one publisher"))
+    session: int = of(Integer(doc="random, drawn once per start of the publisher"))
+    stamp: int = of(Integer(unit="ns", doc="publisher's steady clock, any epoch"))
+    valid: bool = of(Boolean(doc="every input that went into the message was healthy"))
+
+
+@dataclass(frozen=True, eq=False)
+class FtSample(Record):
+    """One reading of the wrist's force-torque sensor, uncompensated."""
+
+    force: np.ndarray = of(Vector("N", "sensor axes"))
+    torque: np.ndarray = of(Vector("Nm", "about the sensor's origin, sensor axes"))
+    orientation: np.ndarray = of(Quaternion("", "sensor in base at that instant"))
+    tool_offset: np.ndarray = of(Vector("m", "tool origin from the sensor's origin, sensor axes"))
+    saturated: bool = of(Boolean(doc="some axis is at the end of its range"))
+
+
+@dataclass(frozen=True, eq=False)
+class CameraImage(Record):
+    """One image of the head camera with its calibration and pose."""
+
+    width: int = of(Integer("px", minimum=1))
+    height: int = of(Integer("px", minimum=1))
+    encoding: str = of(Text(choices=("jpeg", "rgb8")))
+    data: bytes = of(Bytes())
+    intrinsics: np.ndarray = of(Vector("px", "fx, fy, cx, cy", size=4))
+    distortion: np.ndarray = of(Vector("", "k1, k2, p1, p2, k3", size=5))
+    position: np.ndarray = of(Vector("m", "optical frame in base"))
+    orientation: np.ndarray = of(Quaternion("", "optical frame (z forward, x right) in base"))
+
+
+@dataclass(frozen=True, eq=False)
+class JointState(Record):
+    """Joint names, positions [rad, m], velocities and efforts [Nm, N], all of one length."""
+
+    name: tuple[str, ...] = of(TextList())
+    position: np.ndarray = of(Vector("rad or m", size=None))
+    velocity: np.ndarray = of(Vector("rad/s or m/s", size=None))
+    effort: np.ndarray = of(Vector("Nm or N", size=None))
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        Vector(size=len(self.name)).check(self.position, "position")
+        Vector(size=len(self.name)).check(self.velocity, "velocity")
+        Vector(size=len(self.name)).check(self.effort, "effort")
+
+
+@dataclass(frozen=True, eq=False)
+class EndEffector(Record):
+    """Pose and twist of the tool."""
+
+    position: np.ndarray = of(Vector("m"))
+    orientation: np.ndarray = of(Quaternion())
+    linear: np.ndarray = of(Vector("m/s"))
+    angular: np.ndarray = of(Vector("rad/s"))
+
+
+@dataclass(frozen=True, eq=False)
+class BaseState(Record):
+    """Odometry of the base."""
+
+    position: np.ndarray = of(Vector("m", size=2))
+    yaw: float = of(Number("rad"))
+    velocity: np.ndarray = of(Vector("m/s, m/s, rad/s", "vx, vy, wz"))
+
+
+@dataclass(frozen=True, eq=False)
+class GripperState(Record):
+    """The controlled gripper."""
+
+    opening: float = of(Number("m"))
+    effort: float = of(Number("N"))
+    holding: bool = of(Boolean())
+
+
+@dataclass(frozen=True, eq=False)
+class RobotStatus(Record):
+    """What the robot's gate does, and what the robot can do."""
+
+    mode: str = of(Text(choices=("ready", "holding", "stopped")))
+    reason: str = of(Text())
+    base_type: str = of(Text(choices=("differential", "omni")))
+    simulated: bool = of(Boolean())
+    max_linear: float = of(Number("m/s", minimum=0.0))
+    max_angular: float = of(Number("rad/s", minimum=0.0))
+    max_base: np.ndarray = of(Vector("m/s, m/s, rad/s"))
+
+
+@dataclass(frozen=True, eq=False)
+class TwistCommand(Record):
+    """Commanded tool twist; older than ``ttl`` it is not executed any more."""
+
+    linear: np.ndarray = of(Vector("m/s"))
+    angular: np.ndarray = of(Vector("rad/s"))
+    ttl: float = of(Number("s", above=0.0), default=0.05)
+
+
+@dataclass(frozen=True, eq=False)
+class BaseTwistCommand(Record):
+    """Commanded base twist."""
+
+    velocity: np.ndarray = of(Vector("m/s, m/s, rad/s", "vx, vy, wz"))
+    ttl: float = of(Number("s", above=0.0), default=0.1)
+
+
+@dataclass(frozen=True, eq=False)
+class GripperCommand(Record):
+    """Wanted opening and the effort to use for it."""
+
+    opening: float = of(Number("m", minimum=0.0))
+    effort: float = of(Number("N", minimum=0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class HeadCommand(Record):
+    """Wanted head joints."""
+
+    pan: float = of(Number("rad"))
+    tilt: float = of(Number("rad"))
+
+
+@dataclass(frozen=True, eq=False)
+class Stop(Record):
+    """Latched by the gate; released only by ``engaged`` false."""
+
+    engaged: bool = of(Boolean())
+    reason: str = of(Text(), default="")
+
+
+@dataclass(frozen=True, eq=False)
+class ExternalWrench(Record):
+    """What the environment exerts on the tool, compensated, with a bound on its error."""
+
+    force: np.ndarray = of(Vector("N"))
+    torque: np.ndarray = of(Vector("Nm", "about the tool's origin"))
+    error_bound: np.ndarray = of(Vector("N, Nm", "noise, bias and compensation residual", size=6))
+    compensation: str = of(Text(choices=("none", "tare", "payload")))
+    fault: str = of(Text(doc="empty, or silent, stuck, saturated, invalid"))
+
+
+@dataclass(frozen=True, eq=False)
+class ControlTarget(Record):
+    """Pose to hold and limits to keep; the limits are centred on the nominal wrench."""
+
+    position: np.ndarray = of(Vector("m"))
+    orientation: np.ndarray = of(Quaternion())
+    force_limit: np.ndarray = of(Vector("N", above=0.0))
+    torque_limit: np.ndarray = of(Vector("Nm", above=0.0))
+    nominal_force: np.ndarray = of(Vector("N"), default=_ZERO3)
+    nominal_torque: np.ndarray = of(Vector("Nm"), default=_ZERO3)
+
+
+@dataclass(frozen=True, eq=False)
+class ControlStatus(Record):
+    """What the controller does and why."""
+
+    state: str = of(Text(choices=("waiting", "tracking", "yielding", "braking")))
+    reason: str = of(Text())
+    law: str = of(Text(choices=("certified", "paper", "stiffness")))
+    twist: np.ndarray = of(Vector("m/s, rad/s", "as commanded", size=6))
+    margin: np.ndarray = of(Vector("N, Nm", "limit - abs(w - nominal) - error_bound", size=6))
+    active: np.ndarray = of(Vector("", "-1, 0 or 1: which bound is active", size=6))
+    relaxation: float = of(Number("", "gamma"))
+    lyapunov: float = of(Number("", "V"))
+    solve_us: float = of(Number("us"))
+
+
+@dataclass(frozen=True, eq=False)
+class BaseStatus(Record):
+    """What the base's admittance does."""
+
+    state: str = of(Text(choices=("off", "following", "braking")))
+    wrench: np.ndarray = of(Vector("N, N, Nm", "fx, fy, tz about the base's origin"))
+    velocity: np.ndarray = of(Vector("m/s, m/s, rad/s"))
+
+
+@dataclass(frozen=True, eq=False)
+class Enable(Record):
+    """Silence over a second means disabled."""
+
+    enabled: bool = of(Boolean())
+
+
+@dataclass(frozen=True, eq=False)
+class MarkerPose(Record):
+    """A detected marker."""
+
+    position: np.ndarray = of(Vector("m"))
+    orientation: np.ndarray = of(Quaternion())
+    age: float = of(Number("s", minimum=0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class TaskStatus(Record):
+    """Where the carrying task stands."""
+
+    state: str = of(Text())
+    since: float = of(Number("s", minimum=0.0))
+    reason: str = of(Text())
+    rotation: float = of(Number("rad", "about the tool's x axis since the grasp"))
+    height: float = of(Number("m", "of the tool"))
+    marker: MarkerPose | None = of(RecordOf(record=MarkerPose, nullable=True))
+
+
+@dataclass(frozen=True, eq=False)
+class InputHealth(Record):
+    """One input as its reader sees it; ``age`` is -1 before the first message."""
+
+    age: float = of(Number("s"))
+    hz: float = of(Number("Hz", minimum=0.0))
+    rejected: int = of(Integer(minimum=0))
+    ok: bool = of(Boolean())
+
+
+@dataclass(frozen=True, eq=False)
+class Health(Record):
+    """How a service is."""
+
+    state: str = of(Text(choices=("starting", "ok", "degraded", "fault")))
+    detail: str = of(Text())
+    loop_hz: float = of(Number("Hz", minimum=0.0))
+    loop_p50_us: float = of(Number("us", minimum=0.0))
+    loop_p99_us: float = of(Number("us", minimum=0.0))
+    overruns: int = of(Integer(minimum=0))
+    inputs: dict[str, InputHealth] = of(MapOf(record=InputHealth))
+
+
+@dataclass(frozen=True, eq=False)
+class PanelState(Record):
+    """The simulated panel, in world."""
+
+    position: np.ndarray = of(Vector("m"))
+    orientation: np.ndarray = of(Quaternion())
+
+
+@dataclass(frozen=True, eq=False)
+class BagState(Record):
+    """The simulated bag."""
+
+    mass: float = of(Number("kg", minimum=0.0))
+    height: float = of(Number("m"))
+
+
+@dataclass(frozen=True, eq=False)
+class HandState(Record):
+    """The simulated person's hands, in world."""
+
+    position: np.ndarray = of(Vector("m"))
+    force: np.ndarray = of(Vector("N"))
+    torque: np.ndarray = of(Vector("Nm"))
+
+
+@dataclass(frozen=True, eq=False)
+class SimWorld(Record):
+    """Ground truth of the simulation, in ``base_footprint`` as it stood at the start."""
+
+    time: float = of(Number("s", "simulated"))
+    panel: PanelState | None = of(RecordOf(record=PanelState, nullable=True))
+    bag: BagState | None = of(RecordOf(record=BagState, nullable=True))
+    hand: HandState | None = of(RecordOf(record=HandState, nullable=True))
+    contact_force: np.ndarray = of(Vector("N"))
+    marker_visible: bool = of(Boolean())

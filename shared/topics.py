@@ -1,0 +1,124 @@
+"""THE table of topics and queries. Bus, health, access control, documentation and command line are derived from it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from shared import messages as m
+from shared.codec import MAP_CAP
+from shared.fields import Record
+
+M = TypeVar("M", bound=Record)
+
+ROBOT = "robot"
+"""Publisher name of whatever process stands for the robot: the simulation or a hardware bridge."""
+ANYBODY = "*"
+
+
+@dataclass(frozen=True)
+class Topic(Generic[M]):
+    """One key.
+
+    Attributes:
+        key: without the robot's prefix.
+        message: class of its messages.
+        rate: nominal rate [Hz]; 0 = on change only.
+        max_age: age [s] up to which a reader may use the last message; infinite = until replaced.
+        publisher: the only service allowed to publish it.
+        cap: largest payload [bytes].
+    """
+
+    key: str
+    message: type[M]
+    rate: float
+    max_age: float
+    publisher: str
+    cap: int = MAP_CAP
+
+
+@dataclass(frozen=True)
+class Query:
+    """One queryable: key without the robot's prefix, and the service that answers."""
+
+    key: str
+    server: str
+
+
+SENSOR_FT = Topic("sensor/ft", m.FtSample, 100, 0.03, ROBOT)
+SENSOR_CAMERA = Topic("sensor/camera", m.CameraImage, 10, 0.5, ROBOT, cap=4 * 1024 * 1024)
+STATE_JOINTS = Topic("state/joints", m.JointState, 100, 0.1, ROBOT)
+STATE_EE = Topic("state/ee", m.EndEffector, 100, 0.1, ROBOT)
+STATE_BASE = Topic("state/base", m.BaseState, 50, 0.2, ROBOT)
+STATE_GRIPPER = Topic("state/gripper", m.GripperState, 20, 0.5, ROBOT)
+STATE_ROBOT = Topic("state/robot", m.RobotStatus, 5, 1.0, ROBOT)
+
+COMMAND_EE_TWIST = Topic("command/ee_twist", m.TwistCommand, 100, 0.05, "controller")
+COMMAND_BASE_TWIST = Topic("command/base_twist", m.BaseTwistCommand, 100, 0.1, "base")
+COMMAND_GRIPPER = Topic("command/gripper", m.GripperCommand, 0, math.inf, "task")
+COMMAND_HEAD = Topic("command/head", m.HeadCommand, 0, math.inf, "task")
+STOP = Topic("stop", m.Stop, 0, math.inf, ANYBODY)
+
+WRENCH_EXTERNAL = Topic("wrench/external", m.ExternalWrench, 100, 0.03, "wrench")
+CONTROL_TARGET = Topic("control/target", m.ControlTarget, 5, math.inf, "task")
+CONTROL_STATUS = Topic("control/status", m.ControlStatus, 100, 1.0, "controller")
+BASE_STATUS = Topic("base/status", m.BaseStatus, 100, 1.0, "base")
+BASE_ENABLE = Topic("base/enable", m.Enable, 5, 1.0, "task")
+TASK_STATUS = Topic("task/status", m.TaskStatus, 5, 1.0, "task")
+SIM_WORLD = Topic("sim/world", m.SimWorld, 30, 0.5, ROBOT)
+
+TOPICS: tuple[Topic, ...] = (
+    SENSOR_FT,
+    SENSOR_CAMERA,
+    STATE_JOINTS,
+    STATE_EE,
+    STATE_BASE,
+    STATE_GRIPPER,
+    STATE_ROBOT,
+    COMMAND_EE_TWIST,
+    COMMAND_BASE_TWIST,
+    COMMAND_GRIPPER,
+    COMMAND_HEAD,
+    STOP,
+    WRENCH_EXTERNAL,
+    CONTROL_TARGET,
+    CONTROL_STATUS,
+    BASE_STATUS,
+    BASE_ENABLE,
+    TASK_STATUS,
+    SIM_WORLD,
+)
+
+WRENCH_TARE = Query("wrench/tare", "wrench")
+WRENCH_IDENTIFY = Query("wrench/identify", "wrench")
+TASK_COMMAND = Query("task/command", "task")
+WRENCH_PARAMETERS = Query("wrench/parameters", "wrench")
+CONTROL_PARAMETERS = Query("control/parameters", "controller")
+BASE_PARAMETERS = Query("base/parameters", "base")
+SIM_COMMAND = Query("sim/command", ROBOT)
+
+QUERIES = (
+    WRENCH_TARE,
+    WRENCH_IDENTIFY,
+    TASK_COMMAND,
+    WRENCH_PARAMETERS,
+    CONTROL_PARAMETERS,
+    BASE_PARAMETERS,
+    SIM_COMMAND,
+)
+PARAMETER_QUERIES = (WRENCH_PARAMETERS, CONTROL_PARAMETERS, BASE_PARAMETERS)
+
+HEALTH_RATE = 2.0
+
+
+def health_topic(service: str) -> Topic[m.Health]:
+    """The health of one service."""
+    return Topic(f"health/{service}", m.Health, HEALTH_RATE, 1.0, service)
+
+
+def topic_by_key(key: str) -> Topic | None:
+    """The topic of a key without the robot's prefix, or None."""
+    if key.startswith("health/"):
+        return health_topic(key.removeprefix("health/"))
+    return next((topic for topic in TOPICS if topic.key == key), None)
