@@ -1,0 +1,76 @@
+# Everything that a fresh machine with Python 3.11, make and git needs to run, test and measure tandem.
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+BENCH_READY := $(VENV)/.bench-ready
+REQUIREMENTS := deploy/requirements
+PIP := $(BIN)/python -m pip --disable-pip-version-check -q
+COMPILE := $(BIN)/uv pip compile -q --generate-hashes --python-version 3.11 --no-emit-index-url \
+	--custom-compile-command "make lock"
+
+.PHONY: help setup demo test lint format bench lock clean
+
+help: ## show this list
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 10
+
+setup: $(READY) ## make .venv with everything pinned (the other targets do it by themselves)
+
+$(READY): pyproject.toml $(REQUIREMENTS)/all.txt
+	@python=""; bare=""; \
+	for candidate in "$${PYTHON:-}" python3.11 python3 python /usr/bin/python3.11 \
+			"$${PYENV_ROOT:-$$HOME/.pyenv}"/versions/3.11*/bin/python; do \
+		[ -n "$$candidate" ] || continue; \
+		"$$candidate" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null || continue; \
+		if "$$candidate" -c 'import ensurepip' 2>/dev/null; then python="$$candidate"; break; fi; \
+		bare="$$candidate"; \
+	done; \
+	if [ -z "$$python" ] && [ -n "$$bare" ]; then \
+		echo "make setup: $$bare has no ensurepip; install it: apt-get install python3.11-venv" >&2; exit 2; \
+	elif [ -z "$$python" ]; then \
+		echo "make setup: no Python 3.11 found (the only one that pybullet has wheels for);" \
+			"get it: apt-get install python3.11 python3.11-venv, or: pyenv install 3.11;" \
+			"or name one: make setup PYTHON=/path/to/python3.11" >&2; exit 2; \
+	fi; \
+	if ! $(BIN)/python -m pip --version >/dev/null 2>&1; then \
+		echo "setup: $(VENV) with $$($$python --version)"; "$$python" -m venv --clear $(VENV); \
+	fi
+	@echo "setup: installing the pinned requirements (about a minute)"
+	@$(PIP) install --require-hashes -r $(REQUIREMENTS)/all.txt
+	@$(PIP) install --no-deps --no-build-isolation -e .
+	@touch $@
+
+$(BENCH_READY): $(READY) $(REQUIREMENTS)/bench.txt
+	@$(PIP) install --require-hashes -r $(REQUIREMENTS)/bench.txt
+	@touch $@
+
+demo: $(READY) ## the paper's load experiment with real processes, in real time
+	@$(BIN)/tandem run load
+
+test: $(READY) ## every test
+	@$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+lint: $(READY) ## style, layers and types
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/lint-imports
+	@$(BIN)/mypy
+
+format: $(READY) ## rewrite the sources in the project's style
+	@$(BIN)/ruff check --fix .
+	@$(BIN)/ruff format .
+
+bench: $(BENCH_READY) ## the benchmarks, as one table
+	@$(BIN)/python -m benchmarks
+
+lock: $(READY) ## pin the requirements anew
+	@$(PIP) install uv
+	@$(COMPILE) --extra all --extra test --extra lint --group build pyproject.toml -o $(REQUIREMENTS)/all.txt
+	@$(COMPILE) --extra bench -c $(REQUIREMENTS)/all.txt pyproject.toml -o $(REQUIREMENTS)/bench.txt
+
+clean: ## remove .venv, caches and results
+	@rm -rf $(VENV) .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis build dist *.egg-info runs
+	@find . -name __pycache__ -type d -prune -exec rm -rf {} +
