@@ -1,0 +1,46 @@
+"""Fixtures that every test may use: processes, and a real Zenoh router on a free loopback port."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.support.ports import free_endpoint
+from tests.support.processes import Process
+
+StartProcess = Callable[..., Process]
+
+
+@dataclass(frozen=True)
+class Router:
+    """A running router process and the endpoint [``tcp/host:port``] that it listens on."""
+
+    process: Process
+    endpoint: str
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[StartProcess]:
+    """Starts ``python -m module arguments...``; every process ends with the test, newest first."""
+    numbers = itertools.count()
+    with ExitStack() as processes:
+
+        def start_process(module: str, *arguments: str, environment: dict[str, str] | None = None) -> Process:
+            output = tmp_path / f"{next(numbers)}-{module}.log"
+            return processes.enter_context(Process(module, arguments, output, environment))
+
+        yield start_process
+
+
+@pytest.fixture
+def router(start: StartProcess) -> Router:
+    """A router of the test's own."""
+    endpoint = free_endpoint()
+    process = start("services.router", "--listen", endpoint)
+    process.wait_for_output(endpoint)
+    return Router(process, endpoint)
