@@ -1,0 +1,1 @@
+"""Random contacts around the control laws: the evidence for `docs/guarantee.md`."""
