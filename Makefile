@@ -56,7 +56,7 @@ test: $(READY) ## every test
 lint: $(READY) ## style, layers and types
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
-	@$(BIN)/lint-imports
+	@$(BIN)/lint-imports --no-logo
 	@$(BIN)/mypy
 
 format: $(READY) ## rewrite the sources in the project's style
