@@ -1,0 +1,1 @@
+"""Plays an experiment against running processes, judges it and writes a report."""

@@ -1,0 +1,90 @@
+"""The load experiment as data: what is held, which limits, which weights at which times, under which laws.
+
+It is the test of Dawson et al., "Barrier functions enable safety-conscious force-feedback control", section
+"Validation of the CBF force controller": the robot holds a pose, a bag of 20 N is hung from its tool at 10 s and
+made heavier at 17 s. Its "25 N" lies exactly at the limit, where noise decides what happens; here the heavier bag
+weighs `HEAVY` (see there).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+GRAVITY = 9.81  # [m/s2]
+
+HOLD = (0.5, -0.3, 1.0, 0.0, 0.0, 0.0)  # tool in base: x, y, z [m], roll, pitch, yaw [rad]
+FORCE_LIMIT = (25.0, 25.0, 25.0)  # [N]
+TORQUE_LIMIT = (10.0, 10.0, 10.0)  # [Nm]
+LIGHT = 20.0  # weight of the first bag [N]
+HEAVY = 28.0  # weight of the heavier bag [N]: over limit + 2 error bounds, see `unambiguous`
+LIGHT_AT, HEAVY_AT = 10.0, 17.0  # [s]
+UNLOAD_AT = 30.0  # [s]: the heavier bag has been on the ground for a while under every law
+END_AT = 45.0  # [s] at the latest; earlier when the tool has come back and rests
+TARGET_PERIOD = 0.1  # [s] between two `control/target`
+MARGIN = 0.5  # [N] kept between what noise can hide and the heavier bag
+
+
+def mass(weight: float) -> float:
+    """Mass [kg] of a bag of `weight` [N]."""
+    return weight / GRAVITY
+
+
+def unambiguous(error_bound: float) -> float:
+    """The least weight [N] of the heavier bag that every law must answer, for a force known to +-`error_bound` [N].
+
+    The certified law yields beyond limit + error_bound, as measured; the measurement may read an error_bound too low.
+    """
+    return FORCE_LIMIT[2] + 2 * error_bound + MARGIN
+
+
+@dataclass(frozen=True)
+class Run:
+    """One configuration of the stack under which the experiment is played.
+
+    `settings` are the parameters that differ from the services' defaults: service -> parameter -> value.
+    `weight_held` is the largest weight [N] that this law promises to hold (0: it promises none).
+    """
+
+    name: str
+    title: str
+    law: str
+    rate: float
+    settings: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+
+def _run(name: str, title: str, law: str, rate: float, **controller: Any) -> Run:
+    period = round(1.2 / rate, 4)  # the longest time one command acts: a fifth more than the nominal period
+    settings = {
+        "sim": {"ft_rate": rate, "joint_rate": 100.0},
+        "controller": {
+            "law": law,
+            "lyapunov_rate": 10.0,
+            "relaxation_weight": 1.0,
+            "barrier_rate": [1.0] * 6,
+            "period": period,
+            # A hanging bag has no stiffness: this is the stiffness that the certified law is prepared to meet, the
+            # bag's landing included. It decides how fast the law lowers: excess / (stiffness * reaction time).
+            "contact_stiffness": 2000.0,
+            "contact_reach": [0.1, 0.1, 0.1],
+            **controller,
+        },
+    }
+    return Run(name, title, law, rate, settings)
+
+
+RUNS: tuple[Run, ...] = (
+    _run("paper-30", "paper's law, 30 Hz", "paper", 30.0),
+    _run("certified-30", "certified, 30 Hz", "certified", 30.0),
+    _run("certified-100", "certified, 100 Hz", "certified", 100.0),
+    _run("rounded-100", "certified, yielding from 0.9 of the limit, 100 Hz", "certified", 100.0, yield_start=0.9),
+    _run("stiffness-100", "stiffness 40 N/m, 100 Hz", "stiffness", 100.0, spring_stiffness=[40.0] * 3 + [10.0] * 3),
+)
+
+
+def run_named(name: str) -> Run:
+    """The run of that name; ValueError lists the names there are."""
+    for run in RUNS:
+        if run.name == name:
+            return run
+    raise ValueError(f"--runs: there is no run {name!r}; choose from {', '.join(run.name for run in RUNS)}")

@@ -1,0 +1,88 @@
+"""The judge passes good runs and fails each defective one for the right reason."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from services.experiment.judge import judge
+from services.experiment.measures import measure, reversals
+from services.experiment.protocol import FORCE_LIMIT, RUNS, Run, run_named
+from tests.services.experiment.synthetic import Defect, recording
+
+
+def failed(run: Run, defect: Defect | None = None) -> list[str]:
+    claims = judge({run.name: run}, {run.name: measure(recording(run, defect))}, FORCE_LIMIT[2])
+    assert claims
+    return [claim.text for claim in claims if not claim.passed]
+
+
+@pytest.mark.parametrize("run", RUNS, ids=lambda run: run.name)
+def test_a_good_run_passes_every_claim(run: Run) -> None:
+    assert failed(run) == []
+
+
+@pytest.mark.parametrize(
+    ("defect", "words"),
+    [
+        (Defect(sag_under_light=0.02), "holds 20 N"),
+        (Defect(force_x=26.0), "stays within every limit"),
+        (Defect(holds_heavy=True), "lowers the heavier bag to the ground"),
+        (Defect(bounces=0.03), "lowers it smoothly"),
+        (Defect(keeps_pressing=2.0), "back within limit"),
+        (Defect(stays_low=0.05), "comes back"),
+    ],
+    ids=["sags", "pushed sideways", "never lowers", "bounces", "keeps pressing", "does not come back"],
+)
+def test_a_defect_fails_its_claim(defect: Defect, words: str) -> None:
+    assert any(words in text for text in failed(run_named("certified-100"), defect))
+
+
+def test_a_baseline_that_holds_the_bag_fails_the_claim_that_it_sags() -> None:
+    stiff = dataclasses.replace(run_named("certified-100"), law="stiffness")
+    found = measure(recording(run_named("certified-100")))
+    claims = judge({stiff.name: stiff}, {stiff.name: found}, FORCE_LIMIT[2])
+    assert [claim.text for claim in claims if not claim.passed] == [
+        "the baseline cannot hold 20 N: it sags by decimetres"
+    ]
+
+
+def test_the_comparison_follows_the_figures_not_the_names() -> None:
+    paper, certified = run_named("paper-30"), run_named("certified-30")
+    runs = {paper.name: paper, certified.name: certified}
+    found = measure(recording(paper))
+    for ripple, passed in ((0.001, True), (0.003, False)):
+        measured = {
+            paper.name: dataclasses.replace(found, ground_ripple=0.002),
+            certified.name: dataclasses.replace(found, ground_ripple=ripple),
+        }
+        claim = judge(runs, measured, FORCE_LIMIT[2])[-1]
+        assert claim.run == "certified-30, paper-30"
+        assert claim.passed is passed
+
+
+def test_figures_are_those_of_the_model() -> None:
+    found = measure(recording(run_named("certified-100")))
+    assert found.hold_height == pytest.approx(1.0, abs=1e-3)
+    assert found.hold_error < 1e-3
+    assert found.peak_speed == pytest.approx(0.15, abs=0.01)
+    assert found.drop == pytest.approx(0.38, abs=0.02)
+    assert found.landing == pytest.approx(17.0 + 0.38 / 0.15, abs=0.3)
+
+
+def test_a_recording_that_stopped_early_is_refused_by_name() -> None:
+    short = recording(run_named("paper-30"))
+    short.events = short.events[:1]
+    with pytest.raises(ValueError, match="paper-30.*'heavy'"):
+        measure(short)
+
+
+def test_reversals_count_turns_beyond_the_threshold_only() -> None:
+    line = np.linspace(1.0, 0.0, 500)
+    ripple = 0.4 * np.sin(np.linspace(0, 40, 500))
+    assert reversals(line, 0.01) == 0
+    assert reversals(line + 0.01 * ripple, 0.01) == 0
+    assert reversals(line + ripple, 0.01) >= 10
+    assert reversals(np.array([]), 0.01) == 0
