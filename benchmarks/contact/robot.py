@@ -1,8 +1,8 @@
 """The robot of the contact simulation: a velocity source with delay, gate and first-order lag.
 
-A command reaches the gate after its delay, acts until the next one arrives or its `ttl` has passed (then it is zeroed, as
-the gate in front of every robot does), and goes through a first-order lag. The twist is integrated on SE(3) in closed form
-over each sub-step, so the path depends on the sub-steps' length in nothing but the order of its rotations.
+A command reaches the gate after its delay, acts until the next one arrives or its `ttl` has passed (then it is zeroed,
+as the gate in front of every robot does), and goes through a first-order lag. The twist is integrated on SE(3) in
+closed form over each sub-step, so the path depends on the sub-steps' length in nothing but the order of its rotations.
 """
 
 from __future__ import annotations
@@ -45,6 +45,12 @@ class Robot:
         self._acting = np.zeros(6)
         self._expires = -math.inf
         self._coming: deque[tuple[float, Array, float]] = deque()
+
+    @property
+    def fastest(self) -> Array:
+        """Upper bounds (2,) [m/s, rad/s] of the speeds until the next command is given."""
+        candidates = [self.twist, self._acting, *(twist for _, twist, _ in self._coming)]
+        return np.linalg.norm(np.array(candidates).reshape(-1, 2, 3), axis=2).max(axis=0)
 
     def command(self, arrival: float, twist: Array, ttl: float) -> None:
         """A twist (6,) that reaches the gate at time ``arrival`` [s] and is good for ``ttl`` [s] from then."""

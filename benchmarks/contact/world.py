@@ -123,6 +123,18 @@ class Surface:
 
 
 @dataclass(frozen=True)
+class Load:
+    """A constant force (3,) [N], such as a hanging weight on a carried point."""
+
+    force: Array
+    stiffness: float = 0.0
+
+    def forces(self, path: Array, memory: Memory) -> Array:
+        """See ``ElasticLaw``."""
+        return np.tile(self.force, (len(path), 1))
+
+
+@dataclass(frozen=True)
 class Contact:
     """One point contact.
 
