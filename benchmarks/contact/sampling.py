@@ -12,7 +12,8 @@ import numpy as np
 
 from benchmarks.contact.adversary import CLEVER, KINDS
 from benchmarks.contact.cases import Case, Declared, Target, Timing
-from benchmarks.contact.world import Contact, ElasticLaw, Load, Spring, Surface, World
+from benchmarks.contact.elastic import ElasticLaw, Load, Spring, Surface
+from benchmarks.contact.world import Contact, World
 from shared.spatial import Array, rotation_from_vector
 
 RATES = (30.0, 100.0, 250.0, 1000.0)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.contact.elastic import Spring, Surface
 from benchmarks.contact.robot import Robot
-from benchmarks.contact.world import Contact, Spring, Surface, World
+from benchmarks.contact.world import Contact, World
 from shared.spatial import Array, rotation_from_vector, wrench_about
 
 START = np.array((0.4, -0.2, 0.9)), rotation_from_vector((0.2, -0.4, 0.7))
