@@ -1,4 +1,4 @@
-"""Kinds of message fields: what a value must be, checked the same way when a message is built and when it is decoded."""
+"""Kinds of message fields: what a value must be, checked alike when a message is built and when it is decoded."""
 
 from __future__ import annotations
 

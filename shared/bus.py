@@ -1,0 +1,50 @@
+"""What a process needs of a message bus: a handful of methods that the Zenoh bus and the in-process bus share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+OnPayload = Callable[[bytes], None]
+Reply = Callable[[bytes], None]
+OnRequest = Callable[[bytes, Reply], None]
+
+
+class NoReply(TimeoutError):
+    """Nobody answered a query in time."""
+
+
+class Bus(Protocol):
+    """Keys are without the robot's prefix. Callbacks come from any thread and have to return at once."""
+
+    def publish(self, key: str, payload: bytes) -> None:
+        """Send a payload to every subscriber of the key."""
+        ...
+
+    def subscribe(self, key: str, on_payload: OnPayload) -> None:
+        """Have every payload that arrives under the key handed over."""
+        ...
+
+    def serve(self, key: str, on_request: OnRequest) -> None:
+        """Answer queries under the key; the reply may be given later, from any thread."""
+        ...
+
+    def query(self, key: str, payload: bytes, timeout: float) -> bytes:
+        """Ask, and wait for the first answer at most ``timeout`` [s].
+
+        Raises:
+            NoReply: if none came.
+        """
+        ...
+
+    def alive(self, name: str) -> None:
+        """Hold the liveliness token of a service until the bus is closed."""
+        ...
+
+    def living(self) -> set[str]:
+        """Names of the services whose token exists."""
+        ...
+
+    def close(self) -> None:
+        """Leave the bus; later calls are an error."""
+        ...

@@ -1,0 +1,202 @@
+"""The bus over Zenoh: the only module that knows Zenoh's interface."""
+
+from __future__ import annotations
+
+import json
+import re
+import threading
+from collections.abc import Callable
+from pathlib import Path
+
+import zenoh
+
+from shared.bus import NoReply, OnPayload, OnRequest
+from shared.codec import MAP_CAP
+from shared.topics import TOPICS
+
+DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
+_LEASE_MS = 1000
+"""A peer that says nothing for this long is gone; Zenoh's default of ten seconds hides a hung process."""
+_LARGEST_MESSAGE = 2 * max(topic.cap for topic in TOPICS)
+_ALIVE = "alive"
+_ENDPOINT = re.compile(r"(tcp|tls|udp|quic|ws)/.+:\d{1,5}([?#].*)?")
+
+
+class BusError(Exception):
+    """The bus cannot be opened as asked; the text is one line for the user."""
+
+
+def _settings(mode: str) -> dict[str, object]:
+    """What every session of the project agrees on: explicit endpoints, no multicast, no shared memory, short lease."""
+    return {
+        "mode": mode,
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "transport/shared_memory/enabled": False,
+        "transport/link/tx/lease": _LEASE_MS,
+        "transport/link/tx/keep_alive": 4,
+        "transport/link/rx/max_message_size": _LARGEST_MESSAGE,
+    }
+
+
+def _config(settings: dict[str, object], base: zenoh.Config | None = None) -> zenoh.Config:
+    config = base or zenoh.Config()
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
+
+
+def open_router(listen: str, config_file: Path | None = None) -> zenoh.Session:
+    """A Zenoh router inside this process; close it with its ``close``.
+
+    Args:
+        listen: endpoint such as ``tcp/127.0.0.1:7447``.
+        config_file: Zenoh's own JSON5 configuration, which then decides everything, the endpoint included.
+
+    Raises:
+        BusError: if the file cannot be read or the endpoint cannot be listened on.
+    """
+    zenoh.init_log_from_env_or("off")
+    if config_file is not None:
+        try:
+            config = zenoh.Config.from_file(str(config_file))
+        except zenoh.ZError as problem:
+            raise BusError(
+                f"--config {config_file}: not a Zenoh configuration ({_first_line(problem)})"
+            ) from None
+    else:
+        config = _config(_settings("router") | {"listen/endpoints": [listen], "listen/exit_on_failure": True})
+    try:
+        return zenoh.open(config)
+    except zenoh.ZError as problem:
+        where = config_file or listen
+        raise BusError(
+            f"cannot listen on {where}: {_first_line(problem)}. Is another router running there? Choose another "
+            "port with --listen tcp/127.0.0.1:7448 and give every other process --connect tcp/127.0.0.1:7448"
+        ) from None
+
+
+def _first_line(problem: Exception) -> str:
+    return str(problem).splitlines()[0].split(" at /")[0][:200]
+
+
+class ZenohBus:
+    """A client of one router, which it waits for and comes back to as long as it lives.
+
+    Args:
+        robot: first chunk of every key.
+        connect: endpoint of the router.
+        give_up: asked a few times per second while there is no router; true ends the waiting.
+
+    Raises:
+        BusError: if the endpoint's form is wrong, or there was no router until ``give_up``.
+    """
+
+    def __init__(
+        self,
+        robot: str = "tiago",
+        connect: str = DEFAULT_ENDPOINT,
+        give_up: Callable[[], bool] = lambda: False,
+    ) -> None:
+        zenoh.init_log_from_env_or("off")
+        if not _ENDPOINT.fullmatch(connect):
+            raise BusError(
+                f"--connect {connect}: wanted <protocol>/<address>:<port>, such as {DEFAULT_ENDPOINT}"
+            )
+        settings = _settings("client") | {
+            "connect/endpoints": [connect],
+            "connect/timeout_ms": 300,
+            "connect/exit_on_failure": True,
+            "connect/retry": {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5},
+        }
+        self._session = self._open(_config(settings), connect, give_up)
+        self._robot = robot
+        self._lock = threading.Lock()
+        self._publishers: dict[str, zenoh.Publisher] = {}
+        self._declared: list[zenoh.Subscriber | zenoh.Queryable | zenoh.LivelinessToken] = []
+
+    @staticmethod
+    def _open(config: zenoh.Config, connect: str, give_up: Callable[[], bool]) -> zenoh.Session:
+        # Zenoh's own endless waiting cannot be interrupted by a signal; short attempts can.
+        while True:
+            try:
+                return zenoh.open(config)
+            except zenoh.ZError as problem:
+                if "Unable to connect" not in str(problem):
+                    raise BusError(f"--connect {connect}: {_first_line(problem)}") from None
+            if give_up():
+                raise BusError(
+                    f"no router at {connect}. Start one with `tandem up` or `python -m services.router`"
+                )
+
+    def _full(self, key: str) -> str:
+        return f"{self._robot}/{key}"
+
+    def publish(self, key: str, payload: bytes) -> None:
+        """Send a payload to every subscriber of the key; without a router it is dropped."""
+        publisher = self._publishers.get(key)
+        if publisher is None:
+            with self._lock:
+                # Declared once: the first put of an undeclared key costs a round trip each time.
+                publisher = self._publishers[key] = self._session.declare_publisher(
+                    self._full(key),
+                    encoding=zenoh.Encoding("application/msgpack"),
+                    congestion_control=zenoh.CongestionControl.DROP,
+                    priority=zenoh.Priority.REAL_TIME,
+                    express=True,
+                )
+        publisher.put(payload)
+
+    def subscribe(self, key: str, on_payload: OnPayload) -> None:
+        """Have every payload that arrives under the key handed over, from one of Zenoh's threads."""
+
+        def on_sample(sample: zenoh.Sample) -> None:
+            on_payload(sample.payload.to_bytes())
+
+        self._declared.append(self._session.declare_subscriber(self._full(key), on_sample))
+
+    def serve(self, key: str, on_request: OnRequest) -> None:
+        """Answer queries under the key."""
+        full = self._full(key)
+
+        def on_query(query: zenoh.Query) -> None:
+            def reply(payload: bytes) -> None:
+                # Dropping the query is what tells Zenoh that no more replies come.
+                query.reply(full, payload, encoding=zenoh.Encoding("application/msgpack"))
+                query.drop()
+
+            request = query.payload.to_bytes() if query.payload is not None else b""
+            on_request(request[: MAP_CAP + 1], reply)
+
+        self._declared.append(self._session.declare_queryable(full, on_query))
+
+    def query(self, key: str, payload: bytes, timeout: float) -> bytes:
+        """Ask, and wait for the first answer at most ``timeout`` [s].
+
+        Raises:
+            NoReply: if none came.
+        """
+        replies = self._session.get(
+            self._full(key), payload=payload, timeout=timeout, encoding=zenoh.Encoding("application/msgpack")
+        )
+        for reply in replies:
+            if reply.ok is not None:
+                return reply.ok.payload.to_bytes()
+        raise NoReply(f"no answer on {self._full(key)} within {timeout:g} s")
+
+    def alive(self, name: str) -> None:
+        """Hold the liveliness token of a service until the bus is closed."""
+        self._declared.append(self._session.liveliness().declare_token(self._full(f"{_ALIVE}/{name}")))
+
+    def living(self) -> set[str]:
+        """Names of the services whose token exists."""
+        replies = self._session.liveliness().get(self._full(f"{_ALIVE}/*"), timeout=1.0)
+        return {str(reply.ok.key_expr).rsplit("/", 1)[1] for reply in replies if reply.ok is not None}
+
+    def connected(self) -> bool:
+        """Whether a router is there at present."""
+        return bool(self._session.info.routers_zid())
+
+    def close(self) -> None:
+        """Leave the bus. Without this a process with subscriptions does not end."""
+        self._session.close()

@@ -1,0 +1,61 @@
+"""A participant that is no service: command line, experiments by hand, tests."""
+
+from __future__ import annotations
+
+import secrets
+import threading
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from shared.bus import Bus
+from shared.clock import Clock, SteadyClock
+from shared.codec import Rejected, decode_map, encode, encode_map
+from shared.fields import Record
+from shared.inlet import Inlet, Received
+from shared.messages import Header
+from shared.parameters import Refused
+from shared.topics import Query, Topic
+
+M = TypeVar("M", bound=Record)
+
+
+class Client:
+    """Publishes, watches and asks on a bus, with a header of its own."""
+
+    def __init__(self, bus: Bus, clock: Clock | None = None) -> None:
+        self.bus = bus
+        self.clock = clock or SteadyClock()
+        self._session = secrets.randbits(62)
+        self._sequence: dict[str, int] = {}
+        self._lock = threading.Lock()
+
+    def publish(self, topic: Topic, message: Record, valid: bool = True) -> None:
+        """Publish one message."""
+        with self._lock:
+            sequence = self._sequence.get(topic.key, 0)
+            self._sequence[topic.key] = sequence + 1
+        header = Header(sequence, self._session, self.clock.now_ns(), valid)
+        self.bus.publish(topic.key, encode(message, header))
+
+    def watch(self, topic: Topic[M], on_message: Callable[[Received[M]], None] | None = None) -> Inlet[M]:
+        """Subscribe; ``on_message`` is called from a thread of the bus and has to return at once."""
+        inlet = Inlet(topic, self.clock, on_message)
+        self.bus.subscribe(topic.key, inlet.offer)
+        return inlet
+
+    def ask(
+        self, query: Query, request: dict[str, Any] | None = None, timeout: float = 3.0
+    ) -> dict[str, Any]:
+        """Ask a query and return the reply.
+
+        Raises:
+            NoReply: nobody answered within ``timeout`` [s].
+            Refused: the answer was a refusal; the text is the reason.
+        """
+        try:
+            answer = decode_map(self.bus.query(query.key, encode_map(request or {}), timeout))
+        except Rejected as problem:
+            raise Refused(f"{query.key} answered with something that is no map: {problem}") from None
+        if answer.get("ok") is not True:
+            raise Refused(str(answer.get("error", f"{query.key} refused without a reason")))
+        return answer

@@ -1,0 +1,146 @@
+"""Command line, environment and configuration file of a service process."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, NoReturn, TypeVar
+
+from shared.bus_zenoh import DEFAULT_ENDPOINT
+from shared.parameters import Parameters, Refused
+
+P = TypeVar("P", bound=Parameters)
+
+_CHUNK = re.compile(r"[A-Za-z0-9_-]+")
+
+
+class Misconfigured(Exception):
+    """A bad option, environment variable or file; the text is one line for the user."""
+
+
+@dataclass(frozen=True)
+class Settings(Generic[P]):
+    """Where a process is connected, and its parameters."""
+
+    robot: str
+    connect: str
+    parameters: P
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """Reports a bad option in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise instead of printing the usage."""
+        raise Misconfigured(f"{message}. See --help")
+
+
+def service_parser(service: str) -> OneLineParser:
+    """The options that every service process has."""
+    parser = OneLineParser(prog=f"python -m services.{service}")
+    parser.add_argument(
+        "--robot", default=os.environ.get("TANDEM_ROBOT", "tiago"), help="first chunk of every key"
+    )
+    parser.add_argument(
+        "--connect",
+        default=os.environ.get("TANDEM_CONNECT", DEFAULT_ENDPOINT),
+        help="endpoint of the Zenoh router",
+    )
+    parser.add_argument(
+        "--config", default=os.environ.get("TANDEM_CONFIG"), help="TOML file, one table per service"
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="a parameter, value in TOML; wins over the file",
+    )
+    return parser
+
+
+def settings(service: str, parameters: type[P], arguments: Sequence[str] | None = None) -> Settings[P]:
+    """The settings of a service process.
+
+    Raises:
+        Misconfigured: with one line that names the option or key, what was given and what is allowed.
+    """
+    options = service_parser(service).parse_args(arguments)
+    return Settings(
+        robot_name(options.robot),
+        options.connect,
+        service_parameters(service, parameters, options.config, options.set),
+    )
+
+
+def robot_name(name: str) -> str:
+    """The name itself.
+
+    Raises:
+        Misconfigured: if it cannot be one chunk of a key.
+    """
+    if not _CHUNK.fullmatch(name):
+        raise Misconfigured(f"--robot {name!r}: wanted letters, digits, - and _ only")
+    return name
+
+
+def service_parameters(
+    service: str, parameters: type[P], config: str | Path | None, assignments: Sequence[str]
+) -> P:
+    """Parameters of a service from a file's table of its name and from ``key=value`` assignments, which win.
+
+    Raises:
+        Misconfigured: with one line.
+    """
+    values: dict[str, Any] = {}
+    source = "default"
+    if config is not None:
+        source = f"--config {config}"
+        values |= _table(Path(config), service)
+    for assignment in assignments:
+        values |= _assigned(assignment)
+        source = "--set" if config is None else f"{source} or --set"
+    try:
+        return parameters.of(values)
+    except Refused as problem:
+        raise Misconfigured(f"{source}: {problem}") from None
+
+
+def _table(path: Path, service: str) -> Mapping[str, Any]:
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as problem:
+        raise Misconfigured(f"--config {path}: {problem.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+        raise Misconfigured(f"--config {path}: not TOML ({problem})") from None
+    table = content.get(service, {})
+    if not isinstance(table, dict):
+        raise Misconfigured(f"--config {path}: {service} is {table!r}, wanted a table [{service}]")
+    stray = [key for key, value in content.items() if not isinstance(value, dict)]
+    if stray:
+        raise Misconfigured(f"--config {path}: {stray[0]} stands outside a table; write it below [{service}]")
+    return table
+
+
+def _assigned(assignment: str) -> dict[str, Any]:
+    name, equals, text = assignment.partition("=")
+    if not equals or not name.strip().isidentifier():
+        raise Misconfigured(f"--set {assignment}: wanted key=value")
+    try:
+        return {name.strip(): tomllib.loads(f"value = {text}")["value"]}
+    except tomllib.TOMLDecodeError:
+        raise Misconfigured(
+            f'--set {assignment}: the value is not TOML; text needs quotes: {name}="..."'
+        ) from None
+
+
+def complain(service: str, problem: Exception) -> int:
+    """Print the one line of a bad configuration; returns the exit status for it."""
+    print(f"{service}: {problem}", file=sys.stderr, flush=True)
+    return 2

@@ -1,0 +1,117 @@
+"""What can be wrong with a service's inputs or its loop: a row each, name and sentence for the human."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class FaultKind(Enum):
+    """Kinds in the order in which they are reported: the more fundamental first."""
+
+    NEVER_SEEN = "never_seen"
+    SILENT = "silent"
+    REFUSED = "refused"
+    LOSSY = "lossy"
+    DELAYED = "delayed"
+    INVALID = "invalid"
+    INTERNAL = "internal"
+    OVERRUN = "overrun"
+    ARMING = "arming"
+    SHUTDOWN = "shutdown"
+
+
+_SEVERITY = {kind: order for order, kind in enumerate(FaultKind)}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One present fault.
+
+    Attributes:
+        kind: which row.
+        key: the topic concerned, empty if none.
+        text: one sentence: what, where, the limit and the remedy.
+        word: for ``INVALID``, the publisher's own word for it (such as "stuck"), empty if it gave none.
+    """
+
+    kind: FaultKind
+    key: str
+    text: str
+    word: str = ""
+
+    @property
+    def waiting(self) -> bool:
+        """The service has not begun to work yet; nothing has broken."""
+        return self.kind in (FaultKind.NEVER_SEEN, FaultKind.ARMING)
+
+    @property
+    def severity(self) -> int:
+        """Lower is more fundamental."""
+        return _SEVERITY[self.kind]
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def never_seen(key: str, publisher: str) -> Fault:
+    """No valid message has arrived since the start."""
+    return Fault(FaultKind.NEVER_SEEN, key, f"waiting for {key}: never received. Is {publisher} running?")
+
+
+def silent(key: str, publisher: str, age: float, limit: float) -> Fault:
+    """The last message is too old."""
+    return Fault(
+        FaultKind.SILENT,
+        key,
+        f"{key} is {age * 1e3:.0f} ms old, allowed are {limit * 1e3:.0f} ms: holding. Is {publisher} running?",
+    )
+
+
+def refused(key: str, count: int, reason: str) -> Fault:
+    """Everything that arrives is rejected."""
+    return Fault(FaultKind.REFUSED, key, f"{key}: {count} messages rejected, the last one: {reason}")
+
+
+def lossy(key: str, share: float, limit: float) -> Fault:
+    """Too many messages are lost on the way."""
+    return Fault(
+        FaultKind.LOSSY,
+        key,
+        f"{key}: {share:.0%} of the messages of the last second were lost, allowed are {limit:.0%}: check the network",
+    )
+
+
+def delayed(key: str, delay: float, limit: float) -> Fault:
+    """Messages take longer than the declared delay."""
+    return Fault(
+        FaultKind.DELAYED,
+        key,
+        f"{key} arrives {delay * 1e3:.0f} ms later than it did at its fastest, declared are {limit * 1e3:.0f} ms: "
+        "mend the network or the load, or declare a longer delay",
+    )
+
+
+def invalid(key: str, word: str) -> Fault:
+    """The publisher itself says that its message is not to be trusted."""
+    text = f"{key} is marked invalid by its publisher ({word or 'no reason given'})"
+    return Fault(FaultKind.INVALID, key, text, word)
+
+
+def overrun(text: str) -> Fault:
+    """The loop itself is too late."""
+    return Fault(FaultKind.OVERRUN, "", text)
+
+
+def arming(left: float) -> Fault:
+    """All inputs are healthy, but not for long enough."""
+    return Fault(FaultKind.ARMING, "", f"inputs are healthy, starting in {left:.1f} s")
+
+
+SHUTDOWN = Fault(FaultKind.SHUTDOWN, "", "shutting down")
+
+
+def internal(problem: Exception) -> Fault:
+    """A step failed; its outputs were discarded."""
+    text = f"a step failed and was replaced by braking ({type(problem).__name__}: {problem})"
+    return Fault(FaultKind.INTERNAL, "", text)

@@ -1,0 +1,197 @@
+"""The receiving end of one topic: what arrives is validated, ordered and timed here, once, for every service."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from shared import faults
+from shared.clock import Clock, nanoseconds, seconds
+from shared.codec import Rejected, decode
+from shared.faults import Fault
+from shared.fields import Record
+from shared.messages import Header
+from shared.topics import ANYBODY, Topic
+
+M = TypeVar("M", bound=Record)
+
+PERIODS_TO_SILENCE = 3
+"""A periodic input is silent when this many of its periods have passed without a message."""
+SLOWEST_PERIOD = 1 / 30
+"""Longest period [s] that widens the allowed age; a slower publisher counts as silent in between."""
+LOSS_LIMIT = 1 / 3
+"""Share of lost messages [1] within a second above which an input is not used: 20 % on average must still pass."""
+HANDOVER_LIMIT = 1.0
+"""Longest silence [s] of a publisher before another session may take over its topic."""
+CLOCK_DRIFT = 50e-6
+"""Assumed drift [1] between two machines' steady clocks; hides a delay that grows more slowly than this."""
+_WINDOW_NS = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class Received(Generic[M]):
+    """One accepted message with its arrival [ns, receiver's clock] and its delay [s] beyond the fastest one's."""
+
+    header: Header
+    message: M
+    arrival_ns: int
+    delay: float
+
+
+class Inlet(Generic[M]):
+    """Validates, orders and times the messages of one topic; keeps the newest.
+
+    ``offer`` may be called from any thread; everything else reads a consistent snapshot.
+
+    Args:
+        topic: row of the table.
+        clock: the receiver's steady clock.
+        on_message: called with each accepted message, from the thread that offered it.
+    """
+
+    def __init__(
+        self, topic: Topic[M], clock: Clock, on_message: Callable[[Received[M]], None] | None = None
+    ) -> None:
+        self.topic = topic
+        self._clock = clock
+        self._on_message = on_message
+        self._lock = threading.Lock()
+        self._latest: Received[M] | None = None
+        self._fastest_transit = 0
+        self._period = 0.0
+        self._arrivals: deque[tuple[int, int]] = deque()
+        self._rejected_since_accepted = 0
+        self.accepted = 0
+        self.rejected = 0
+        self.last_rejection = ""
+        self.out_of_order = 0
+        self.second_session = 0
+
+    @property
+    def latest(self) -> Received[M] | None:
+        """The newest accepted message."""
+        return self._latest
+
+    @property
+    def period(self) -> float:
+        """Measured period [s] of the publisher, 0 before two messages."""
+        return self._period
+
+    @property
+    def age_limit(self) -> float:
+        """Age [s] above which the last message is not used."""
+        return max(self.topic.max_age, PERIODS_TO_SILENCE * min(self._period, SLOWEST_PERIOD))
+
+    def offer(self, payload: bytes) -> None:
+        """Take in a payload as it arrived; a bad one is counted and changes nothing else."""
+        arrival = self._clock.now_ns()
+        try:
+            header, message = decode(self.topic.message, payload, self.topic.cap)
+        except Rejected as problem:
+            with self._lock:
+                self.rejected += 1
+                self._rejected_since_accepted += 1
+                self.last_rejection = str(problem)
+            return
+        with self._lock:
+            received = self._accept(header, message, arrival)
+        if received is not None and self._on_message is not None:
+            self._on_message(received)
+
+    def _accept(self, header: Header, message: M, arrival: int) -> Received[M] | None:
+        last = self._latest
+        same = last is not None and header.session == last.header.session
+        if last is not None and not same and self._held(last, arrival):
+            self.second_session += 1
+            return None
+        if same and (header.seq <= last.header.seq or header.stamp < last.header.stamp):
+            self.out_of_order += 1
+            return None
+        transit = arrival - header.stamp
+        if same:
+            elapsed = seconds(header.stamp - last.header.stamp) / (header.seq - last.header.seq)
+            self._period = elapsed if self._period == 0.0 else self._period + 0.1 * (elapsed - self._period)
+            crept = self._fastest_transit + round(CLOCK_DRIFT * (arrival - last.arrival_ns))
+            self._fastest_transit = min(crept, transit)
+        else:
+            self._period = 0.0
+            self._fastest_transit = transit
+            self._arrivals.clear()
+        self._arrivals.append((arrival, header.seq))
+        self._trim(arrival)
+        self.accepted += 1
+        self._rejected_since_accepted = 0
+        self._latest = Received(header, message, arrival, seconds(transit - self._fastest_transit))
+        return self._latest
+
+    def _held(self, last: Received[M], arrival: int) -> bool:
+        """Whether the last message's session still holds the topic; a command holds it for as long as it acts."""
+        if self.topic.publisher == ANYBODY:
+            return False
+        silence = min(getattr(last.message, "ttl", self.age_limit), HANDOVER_LIMIT)
+        return arrival - last.arrival_ns < nanoseconds(silence)
+
+    def _trim(self, now: int) -> None:
+        while self._arrivals and now - self._arrivals[0][0] > _WINDOW_NS:
+            self._arrivals.popleft()
+
+    def age(self, now_ns: int) -> float:
+        """Age [s] of the newest message: time since its arrival plus its delay on the way; -1 if there is none."""
+        last = self._latest
+        return -1.0 if last is None else seconds(now_ns - last.arrival_ns) + last.delay
+
+    def rate(self, now_ns: int) -> float:
+        """Messages per second over the last second [Hz]."""
+        with self._lock:
+            self._trim(now_ns)
+            if len(self._arrivals) < 2:
+                return float(len(self._arrivals))
+            span = max(self._arrivals[-1][0], now_ns - nanoseconds(self._period)) - self._arrivals[0][0]
+            return (len(self._arrivals) - 1) / seconds(span) if span > 0 else 0.0
+
+    def loss(self) -> float:
+        """Share [1] of the last second's messages that never arrived."""
+        with self._lock:
+            if len(self._arrivals) < 2:
+                return 0.0
+            sent = self._arrivals[-1][1] - self._arrivals[0][1]
+            return 1.0 - (len(self._arrivals) - 1) / sent
+
+    @property
+    def refusals(self) -> str:
+        """What was refused since the start, in words; empty if nothing."""
+        cases = (
+            (self.rejected, f"rejected ({self.last_rejection})"),
+            (self.out_of_order, "out of sequence"),
+            (self.second_session, "from a second session refused"),
+        )
+        return ", ".join(f"{count} {text}" for count, text in cases if count)
+
+    def fault(self, now_ns: int, max_delay: float) -> Fault | None:
+        """Why the newest message must not be used, or None.
+
+        Args:
+            now_ns: receiver's clock [ns].
+            max_delay: declared bound [s] on the delay beyond the fastest message's.
+        """
+        last = self._latest
+        key, publisher = self.topic.key, self.topic.publisher
+        if last is None:
+            if self.rejected:
+                return faults.refused(key, self.rejected, self.last_rejection)
+            return faults.never_seen(key, publisher)
+        age = seconds(now_ns - last.arrival_ns)
+        if age > self.age_limit:
+            if self._rejected_since_accepted:
+                return faults.refused(key, self._rejected_since_accepted, self.last_rejection)
+            return faults.silent(key, publisher, age, self.age_limit)
+        if last.delay > max_delay:
+            return faults.delayed(key, last.delay, max_delay)
+        if (share := self.loss()) > LOSS_LIMIT:
+            return faults.lossy(key, share, LOSS_LIMIT)
+        if not last.header.valid:
+            return faults.invalid(key, getattr(last.message, "fault", ""))
+        return None

@@ -1,0 +1,131 @@
+"""The gate: the last hop on the robot's side, in front of the simulation and of every hardware bridge alike.
+
+It executes a command only while it is fresh, never faster than allowed, and speeds up no more than allowed; silence
+means stop, and a stop stays until it is released. It knows nothing of the controller and trusts nobody.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from shared.spatial import Array
+
+LONGEST_TTL = 0.2
+"""A command is never executed for longer than this [s], whatever ``ttl`` it asks for."""
+
+
+@dataclass(frozen=True)
+class GateLimits:
+    """What a six-dimensional gate lets through.
+
+    Attributes:
+        max_linear: Euclidean norm of the linear part [m/s].
+        max_angular: Euclidean norm of the angular part [rad/s].
+        max_linear_acceleration: speeding-up of the linear part [m/s2]; slowing down is free.
+        max_angular_acceleration: speeding-up of the angular part [rad/s2].
+    """
+
+    max_linear: float
+    max_angular: float
+    max_linear_acceleration: float
+    max_angular_acceleration: float
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not 0.0 < value < math.inf:
+                raise ValueError(f"gate limit {name} is {value}, wanted a positive finite number")
+
+
+class Gate:
+    """Turns the newest command into the twist that is executed.
+
+    Whatever has to be shortened is shortened as a whole vector: for the certified law every shortened twist is
+    certified too, a bent one need not be.
+    """
+
+    def __init__(self, limits: GateLimits) -> None:
+        self.limits = limits
+        self._wanted = np.zeros(6)
+        self._executed = np.zeros(6)
+        self._left = 0.0
+        self._stopped = ""
+        self.clamped = 0
+        self.expired = 0
+
+    def command(self, linear: Array, angular: Array, ttl: float, age: float, valid: bool = True) -> None:
+        """Take over the newest command; call it once per command.
+
+        Args:
+            linear: linear velocity (3,) [m/s].
+            angular: angular velocity (3,) [rad/s].
+            ttl: time [s] from its publication for which it may be executed.
+            age: time [s] since its publication.
+            valid: false if its publisher marks it as not to be trusted; then it means stop.
+        """
+        wanted = np.concatenate((linear, angular))
+        if not (valid and np.isfinite(wanted).all() and math.isfinite(ttl) and math.isfinite(age)):
+            self._wanted, self._left = np.zeros(6), 0.0
+            return
+        speed_linear, speed_angular = _norms(wanted)
+        excess = max(speed_linear / self.limits.max_linear, speed_angular / self.limits.max_angular)
+        # One rounding error of a command exactly at the limit is no excess.
+        if excess > 1.0 + 1e-9 or ttl > LONGEST_TTL:
+            self.clamped += 1
+        self._wanted = wanted / max(excess, 1.0)
+        self._left = min(ttl, LONGEST_TTL) - max(age, 0.0)
+
+    def stop(self, engaged: bool, reason: str) -> None:
+        """Engage or release the stop; it stays engaged until released."""
+        self._stopped = (reason or "no reason given") if engaged else ""
+
+    def advance(self, dt: float) -> Array:
+        """Twist (6,) [m/s, rad/s] to execute during the next ``dt`` [s]."""
+        moving = bool(self._wanted.any())
+        if self._stopped or self._left <= 0.0:
+            if moving and not self._stopped:
+                self.expired += 1
+            self._wanted = np.zeros(6)
+            self._executed = np.zeros(6)
+        elif moving:
+            self._executed = self._wanted * self._reachable(dt)
+        else:
+            self._executed = np.zeros(6)
+        self._left -= dt
+        return self._executed.copy()
+
+    def _reachable(self, dt: float) -> float:
+        """Share [1] of the wanted twist that can be reached now: what is executed along it, plus the acceleration."""
+        share = 1.0
+        for part, acceleration in (
+            (slice(0, 3), self.limits.max_linear_acceleration),
+            (slice(3, 6), self.limits.max_angular_acceleration),
+        ):
+            wanted = self._wanted[part]
+            speed = math.sqrt(float(wanted @ wanted))
+            # In squared form a denormal speed would divide by zero.
+            if speed > 1e-12:
+                present = max(0.0, float(self._executed[part] @ wanted) / speed)
+                share = min(share, (present + acceleration * dt) / speed)
+        return share
+
+    @property
+    def mode(self) -> str:
+        """What the gate does: ready (executes a command), stopped (a stop is engaged), holding (neither)."""
+        if self._stopped:
+            return "stopped"
+        return "ready" if self._left > 0.0 else "holding"
+
+    @property
+    def reason(self) -> str:
+        """Why the robot does not execute commands; empty if it does."""
+        if self._stopped:
+            return f"stop engaged: {self._stopped}. Release it with `tandem resume`"
+        return "" if self._left > 0.0 else "no fresh command"
+
+
+def _norms(twist: Array) -> tuple[float, float]:
+    """Euclidean norms of the linear and the angular part; infinite where the square overflows."""
+    return math.hypot(*twist[:3].tolist()), math.hypot(*twist[3:].tolist())

@@ -1,0 +1,117 @@
+"""Parameters of a service: declared once with unit, range and meaning; checked at start and when set at run time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+
+
+def _refuse_bool(value: Any) -> Any:
+    if isinstance(value, bool):
+        raise ValueError("wanted a number, got true or false")
+    return value
+
+
+Vector3 = tuple[float, float, float]
+Vector6 = tuple[float, float, float, float, float, float]
+
+
+class Refused(ValueError):
+    """A request or a setting is not granted; the text says what, where, the limit and the remedy."""
+
+
+def parameter(
+    default: Any, *, unit: str, doc: str, minimum: float = -math.inf, maximum: float = math.inf
+) -> Any:
+    """Declare one parameter; ``minimum`` and ``maximum`` hold for each element of a vector."""
+    return Field(
+        default=default, description=doc, json_schema_extra={"unit": unit, "min": minimum, "max": maximum}
+    )
+
+
+class Parameters(BaseModel):
+    """Base of every service's parameters. Immutable; ``changed`` gives a new, checked set."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
+
+    def model_post_init(self, _context: Any) -> None:
+        """Check the declared ranges, which pydantic knows for scalars only."""
+        for name, info in type(self).model_fields.items():
+            extra = info.json_schema_extra
+            if not isinstance(extra, dict):
+                continue
+            value = getattr(self, name)
+            for element in value if isinstance(value, tuple) else (value,):
+                number = isinstance(element, (int, float)) and not isinstance(element, bool)
+                if number and not extra["min"] <= element <= extra["max"]:
+                    allowed = f"{extra['min']:g} to {extra['max']:g} {extra['unit']}".rstrip()
+                    raise Refused(f"{name} is {_shown(value)}, allowed is {allowed}")
+        self.check()
+
+    def check(self) -> None:
+        """Check what concerns several parameters together.
+
+        Raises:
+            Refused: with the reason.
+        """
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> Self:
+        """Parameters from names and values.
+
+        Raises:
+            Refused: unknown name, wrong type or out of range; one line.
+        """
+        try:
+            return cls(**values)
+        except ValidationError as problem:
+            raise Refused(_one_line(problem, cls)) from None
+
+    def changed(self, values: Mapping[str, Any]) -> Self:
+        """These parameters with some replaced.
+
+        Raises:
+            Refused: as ``of``; nothing is changed then.
+        """
+        present = {name: getattr(self, name) for name in type(self).model_fields}
+        return type(self).of({**present, **values})
+
+    def table(self) -> dict[str, dict[str, Any]]:
+        """Name -> value, unit, min, max, doc, as the parameter queries answer."""
+        rows = {}
+        for name, info in type(self).model_fields.items():
+            extra = info.json_schema_extra
+            if isinstance(extra, dict):
+                rows[name] = {
+                    "value": _plain(getattr(self, name)),
+                    "unit": extra["unit"],
+                    "min": None if extra["min"] == -math.inf else extra["min"],
+                    "max": None if extra["max"] == math.inf else extra["max"],
+                    "doc": info.description or "",
+                }
+        return rows
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_plain(element) for element in value]
+    return value.model_dump() if isinstance(value, BaseModel) else value
+
+
+def _shown(value: Any) -> str:
+    return str(list(value) if isinstance(value, tuple) else value)
+
+
+def _one_line(problem: ValidationError, cls: type[Parameters]) -> str:
+    first = problem.errors()[0]
+    where = ".".join(str(part) for part in first["loc"])
+    if first["type"] == "extra_forbidden":
+        return f"{where} is no parameter; there are {', '.join(cls.model_fields)}"
+    given = repr(first.get("input"))
+    return f"{where} is {given[:60]}: {first['msg'].removeprefix('Value error, ')}"
+
+
+Real = Annotated[float, AfterValidator(_refuse_bool)]

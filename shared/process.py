@@ -1,0 +1,89 @@
+"""A service as a process: settings, bus, loop, signals and exit status."""
+
+from __future__ import annotations
+
+import gc
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from typing import TypeVar
+
+from shared.bus_zenoh import BusError, ZenohBus
+from shared.clock import SteadyClock, seconds
+from shared.config import Misconfigured, complain, settings
+from shared.parameters import Parameters, Refused
+from shared.runner import Runner, Service
+
+P = TypeVar("P", bound=Parameters)
+
+
+class StopRequest:
+    """Set by SIGTERM and SIGINT, and by nothing else."""
+
+    def __init__(self) -> None:
+        self.requested = False
+        self.wake = threading.Event()
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, self._on_signal)
+
+    def _on_signal(self, _number: int, _frame: object) -> None:
+        self.requested = True
+        self.wake.set()
+
+
+def run(
+    make: Callable[[P], Service], parameters: type[P], name: str, arguments: list[str] | None = None
+) -> int:
+    """Run a service until SIGTERM or SIGINT.
+
+    Returns:
+        Exit status: 0 after a signal, 2 with one line on standard error after a bad configuration.
+    """
+    stop = StopRequest()
+    try:
+        chosen = settings(name, parameters, arguments)
+        service = make(chosen.parameters)
+        bus = ZenohBus(chosen.robot, chosen.connect, give_up=_told_waiting(name, chosen.connect, stop))
+    except (Misconfigured, Refused) as problem:
+        return complain(name, problem)
+    except BusError as problem:
+        return 0 if stop.requested else complain(name, problem)
+    runner = Runner(service, bus, SteadyClock(), wake=stop.wake.set, report=_report)
+    try:
+        loop(runner, stop)
+    finally:
+        bus.close()
+    return 0
+
+
+def loop(runner: Runner, stop: StopRequest) -> None:
+    """Poll the runner whenever it is woken or due, until a stop is requested; then brake once more."""
+    clock = SteadyClock()
+    # What was built until here lives as long as the process: a collector that need not walk it stalls no tick.
+    gc.collect()
+    gc.freeze()
+    while not stop.requested:
+        left = seconds(runner.next_deadline() - clock.now_ns())
+        if left > 0:
+            stop.wake.wait(left)
+        stop.wake.clear()
+        runner.poll()
+    runner.close()
+
+
+def _report(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
+
+
+def _told_waiting(name: str, connect: str, stop: StopRequest) -> Callable[[], bool]:
+    told = False
+
+    def give_up() -> bool:
+        nonlocal told
+        if not told:
+            told = True
+            _report(f"{name}: waiting for a Zenoh router at {connect}")
+        return stop.requested
+
+    return give_up

@@ -1,0 +1,72 @@
+"""Answering queries between two steps of the loop, never from the bus' own threads."""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from shared.bus import OnRequest, Reply
+from shared.codec import Rejected, decode_map, encode_map
+from shared.parameters import Refused
+from shared.topics import Query
+
+if TYPE_CHECKING:
+    from shared.service import Service
+
+_WAITING_QUERIES = 32
+
+
+class QueryDesk:
+    """Queues requests as they arrive and answers them when the loop says so.
+
+    Args:
+        service: asked for everything but its parameters.
+        wake: called when a request has arrived.
+    """
+
+    def __init__(self, service: Service, wake: Callable[[], None]) -> None:
+        self._service = service
+        self._wake = wake
+        self._waiting: queue.Queue[tuple[Query, bytes, Reply]] = queue.Queue(_WAITING_QUERIES)
+
+    def inbox(self, query: Query) -> OnRequest:
+        """The callback that takes requests of one key."""
+
+        def on_request(payload: bytes, reply: Reply) -> None:
+            try:
+                self._waiting.put_nowait((query, payload, reply))
+            except queue.Full:
+                # The asker's own timeout tells him; replying from a bus thread could block the bus.
+                return
+            self._wake()
+
+        return on_request
+
+    def serve(self) -> None:
+        """Answer what has arrived."""
+        while True:
+            try:
+                query, payload, reply = self._waiting.get_nowait()
+            except queue.Empty:
+                return
+            try:
+                request = decode_map(payload) if payload else {}
+                if query == self._service.wiring.parameters:
+                    reply(_granted(self._set_parameters(request)))
+                else:
+                    self._service.query(query, request, lambda answer, send=reply: send(_granted(answer)))
+            except (Refused, Rejected) as problem:
+                reply(encode_map({"ok": False, "error": str(problem)}))
+
+    def _set_parameters(self, request: dict[str, Any]) -> dict[str, Any]:
+        wanted = request.get("set")
+        if wanted is not None:
+            if not isinstance(wanted, dict):
+                raise Refused(f"set is {type(wanted).__name__}, wanted a map of names and values")
+            self._service.apply(self._service.parameters.changed(wanted))
+        return {"parameters": self._service.parameters.table()}
+
+
+def _granted(answer: dict[str, Any]) -> bytes:
+    return encode_map({"ok": True, **answer})

@@ -1,0 +1,222 @@
+"""The one service loop: newest inputs -> step or brake -> publish -> account for time."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Callable
+
+from shared import faults
+from shared.bus import Bus
+from shared.clock import Clock, nanoseconds, seconds
+from shared.codec import encode
+from shared.faults import Fault
+from shared.fields import Record
+from shared.inlet import Inlet, Received
+from shared.messages import Header
+from shared.queries import QueryDesk
+from shared.service import Inputs, Reading, Service
+from shared.timing import HealthReporter, LoopTiming
+from shared.topics import Topic
+
+BRAKE_PERIOD = 0.05
+"""Time [s] between two braking outputs while an input is silent."""
+REARM_AFTER = 0.1
+"""A fault that lasts longer than this [s] has to be followed by healthy inputs for the whole start-up time."""
+LONGEST_DT = 0.1
+"""Largest dt [s] that a step is told: what was missed is never caught up."""
+_NEVER = 2**62
+
+
+class Runner:
+    """Runs one service on a bus and a clock; ``poll`` does whatever is due.
+
+    Args:
+        service: what to run.
+        bus: where it is connected.
+        clock: the steady or the simulated clock.
+        wake: called from any thread when ``poll`` has something to do.
+        report: told each change of the service's state, one line.
+    """
+
+    def __init__(
+        self,
+        service: Service,
+        bus: Bus,
+        clock: Clock,
+        wake: Callable[[], None] = lambda: None,
+        report: Callable[[str], None] = lambda line: None,
+    ) -> None:
+        self.service = service
+        self._bus = bus
+        self._clock = clock
+        self._wake = wake
+        self._report = report
+        self._session = secrets.randbits(62)
+        self._sequence: dict[str, int] = {}
+        wiring = service.wiring
+        self._driver = wiring.driver if isinstance(wiring.driver, Topic) else None
+        self._period_ns = 0 if isinstance(wiring.driver, Topic) else nanoseconds(wiring.driver)
+        self.inlets: dict[str, Inlet] = {}
+        now = clock.now_ns()
+        self._last_call = now
+        self._next_tick = now + self._period_ns
+        self._next_brake = _NEVER if self._driver is None else now
+        self._seen: dict[str, int] = {}
+        self._sessions: dict[str, int] = {}
+        self._stepped_arrival = 0
+        self._stepped_count = 0
+        self._healthy_since: int | None = None
+        self._faulty_since: int | None = now
+        self._armed = not wiring.required
+        self._reported = ""
+        self.fault: Fault | None = None
+        self.timing = LoopTiming(clock)
+        self._health = HealthReporter(self)
+        self._desk = QueryDesk(self.service, wake)
+        for topic in dict.fromkeys((*wiring.required, *wiring.optional)):
+            inlet = Inlet(topic, clock, self._driven if topic == self._driver else None)
+            self.inlets[topic.key] = inlet
+            bus.subscribe(topic.key, inlet.offer)
+        for query in (*wiring.queries, *((wiring.parameters,) if wiring.parameters else ())):
+            bus.serve(query.key, self._desk.inbox(query))
+        bus.alive(wiring.name)
+
+    def _driven(self, _received: Received) -> None:
+        self._wake()
+
+    def next_deadline(self) -> int:
+        """When ``poll`` is due at the latest [ns], if nothing wakes it before."""
+        work = self._next_tick if self._driver is None else self._next_brake
+        return min(work, self._health.due)
+
+    def poll(self) -> None:
+        """Do what is due: a step or a brake first, then queries, then health."""
+        now = self._clock.now_ns()
+        if self._driver is None:
+            if now >= self._next_tick:
+                self._tick(now)
+        else:
+            latest = self.inlets[self._driver.key].latest
+            if latest is not None and latest.arrival_ns != self._stepped_arrival:
+                self._on_sample(now, latest)
+            elif now >= self._next_brake:
+                self._call(now, self._input_fault(now))
+        self._desk.serve()
+        if now >= self._health.due:
+            self._health.send(self._clock.now_ns())
+
+    def _tick(self, now: int) -> None:
+        late = now - self._next_tick
+        self._call(now, self._input_fault(now))
+        done = self._clock.now_ns()
+        self._next_tick += self._period_ns
+        self.timing.add(done - now, late=done > self._next_tick, stalled=late > 5 * self._period_ns)
+        if self._next_tick < done:
+            self._next_tick = done + self._period_ns
+
+    def _on_sample(self, now: int, latest: Received) -> None:
+        assert self._driver is not None
+        inlet = self.inlets[self._driver.key]
+        period_ns = nanoseconds(inlet.period)
+        skipped = inlet.accepted - self._stepped_count - 1 if self._stepped_count else 0
+        self._stepped_arrival, self._stepped_count = latest.arrival_ns, inlet.accepted
+        fault = self._input_fault(now)
+        if fault is None and skipped >= 5:
+            fault = faults.overrun(
+                f"{skipped} samples of {self._driver.key} were skipped because the loop stalled"
+            )
+        self._call(now, fault)
+        done = self._clock.now_ns()
+        self.timing.add(
+            done - latest.arrival_ns, late=skipped > 0 or 0 < period_ns < done - latest.arrival_ns
+        )
+
+    def _input_fault(self, now: int) -> Fault | None:
+        """The most fundamental fault of the inputs or the loop, after keeping account of the start-up."""
+        wiring = self.service.wiring
+        present = [self.inlets[topic.key].fault(now, self.service.max_delay) for topic in wiring.required]
+        worst = min(
+            (fault for fault in present if fault is not None), key=lambda fault: fault.severity, default=None
+        )
+        if worst is None:
+            worst = self.timing.fault(now, wiring.overrun_share)
+        sessions = {key: inlet.latest.header.session for key, inlet in self.inlets.items() if inlet.latest}
+        restarted = any(
+            sessions[topic.key] != self._sessions.get(topic.key, sessions[topic.key])
+            for topic in wiring.required
+            if topic.key in sessions
+        )
+        self._sessions = sessions
+        if worst is not None:
+            self._faulty_since = now if self._faulty_since is None else self._faulty_since
+            self._healthy_since = None
+            if now - self._faulty_since > nanoseconds(REARM_AFTER):
+                self._armed = not wiring.required
+            return worst
+        self._faulty_since = None
+        if restarted:
+            self._armed, self._healthy_since = False, None
+        if not self._armed:
+            self._healthy_since = now if self._healthy_since is None else self._healthy_since
+            left = wiring.startup - seconds(now - self._healthy_since)
+            if left > 0:
+                return faults.arming(left)
+            self._armed = True
+        return None
+
+    def _call(self, now: int, fault: Fault | None) -> None:
+        dt = min(seconds(now - self._last_call), LONGEST_DT)
+        self._last_call = now
+        if fault is None:
+            try:
+                outputs = self.service.step(self._inputs(now), dt)
+            except (ArithmeticError, ValueError, LookupError) as problem:
+                fault = faults.internal(problem)
+                outputs = self.service.brake(fault, 0.0)
+        else:
+            outputs = self.service.brake(fault, dt)
+        self.fault = fault
+        for output in outputs:
+            self.publish(output.topic, output.message, output.valid and fault is None)
+        self._next_brake = self._brake_deadline(now)
+        self._tell(fault)
+
+    def _brake_deadline(self, now: int) -> int:
+        if self._driver is None:
+            return _NEVER
+        if self.fault is not None:
+            return now + nanoseconds(BRAKE_PERIOD)
+        inlets = (self.inlets[topic.key] for topic in self.service.wiring.required)
+        deadlines = (
+            inlet.latest.arrival_ns + nanoseconds(inlet.age_limit) + 1 for inlet in inlets if inlet.latest
+        )
+        return min(deadlines, default=_NEVER)
+
+    def _inputs(self, now: int) -> Inputs:
+        readings = {}
+        for key, inlet in self.inlets.items():
+            latest = inlet.latest
+            if latest is None:
+                continue
+            new = self._seen.get(key) != latest.arrival_ns
+            self._seen[key] = latest.arrival_ns
+            age = seconds(now - latest.arrival_ns) + latest.delay
+            readings[key] = Reading(latest.message, latest.header, age, new)
+        return Inputs(readings, {key: text for key, inlet in self.inlets.items() if (text := inlet.refusals)})
+
+    def _tell(self, fault: Fault | None) -> None:
+        kind = "" if fault is None else f"{fault.kind.value} {fault.key}"
+        if kind != self._reported:
+            self._reported = kind
+            self._report(f"{self.service.wiring.name}: {'working' if fault is None else fault.text}")
+
+    def publish(self, topic: Topic, message: Record, valid: bool = True) -> None:
+        """Send one message with this process' header."""
+        sequence = self._sequence.get(topic.key, 0)
+        self._sequence[topic.key] = sequence + 1
+        header = Header(sequence, self._session, self._clock.now_ns(), valid)
+        self._bus.publish(topic.key, encode(message, header))
+
+    def close(self) -> None:
+        """Brake once more, so that the robot need not wait for silence."""
+        self._call(self._clock.now_ns(), faults.SHUTDOWN)

@@ -1,0 +1,113 @@
+"""What a service is: two pure methods, and a statement of what they are connected to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Generic, Protocol, TypeVar
+
+from shared.faults import Fault
+from shared.fields import Record
+from shared.messages import Header
+from shared.parameters import Parameters
+from shared.topics import Query, Topic
+
+M = TypeVar("M", bound=Record)
+
+
+@dataclass(frozen=True)
+class Output:
+    """One message to publish; ``valid`` false marks it as not to be trusted."""
+
+    topic: Topic
+    message: Record
+    valid: bool = True
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """What a service is connected to.
+
+    Attributes:
+        name: the service's name.
+        driver: the topic whose every new message causes a step, or a period [s].
+        required: topics that have to be healthy for a step; otherwise the service brakes.
+        optional: topics that are handed over if they are healthy in form, whatever their age.
+        queries: queryables that the service answers itself.
+        parameters: queryable of its parameters, if it has one.
+        startup: time [s] that all required inputs have to be healthy before the first step.
+        overrun_share: share [1] of late steps within a second above which the service brakes.
+    """
+
+    name: str
+    driver: Topic | float
+    required: tuple[Topic, ...] = ()
+    optional: tuple[Topic, ...] = ()
+    queries: tuple[Query, ...] = ()
+    parameters: Query | None = None
+    startup: float = 0.5
+    overrun_share: float = 0.05
+
+
+@dataclass(frozen=True)
+class Reading(Generic[M]):
+    """An input as a step sees it: message, header, age [s], and whether this is the first step to see it."""
+
+    message: M
+    header: Header
+    age: float
+    new: bool
+
+
+@dataclass
+class Inputs:
+    """The newest messages at the instant of a step."""
+
+    _readings: dict[str, Reading] = field(default_factory=dict)
+    _refusals: dict[str, str] = field(default_factory=dict)
+
+    def __getitem__(self, topic: Topic[M]) -> Reading[M]:
+        return self._readings[topic.key]
+
+    def get(self, topic: Topic[M]) -> Reading[M] | None:
+        """The reading, or None if no message was ever accepted."""
+        return self._readings.get(topic.key)
+
+    def refusals(self, topic: Topic) -> str:
+        """What was refused on the topic since the start, in words; empty if nothing."""
+        return self._refusals.get(topic.key, "")
+
+
+class Service(Protocol):
+    """What the loop runs. It sees no clock, no bus and no log.
+
+    ``max_delay`` [s] is the declared bound on how much later than the fastest one a message may arrive.
+    """
+
+    wiring: Wiring
+    parameters: Parameters
+    max_delay: float
+
+    def step(self, inputs: Inputs, dt: float) -> list[Output]:
+        """One step with healthy inputs, ``dt`` [s] after the last call; commands first."""
+        ...
+
+    def brake(self, fault: Fault, dt: float) -> list[Output]:
+        """What to publish because of a fault, ``dt`` [s] after the last call."""
+        ...
+
+    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
+        """Answer a query now or in a later step.
+
+        Raises:
+            Refused: with the reason.
+        """
+        ...
+
+    def apply(self, parameters: Parameters) -> None:
+        """Take over parameters that have been checked."""
+        ...
+
+    def notes(self) -> str:
+        """What a human should know although the service works; empty if nothing."""
+        ...
