@@ -19,7 +19,7 @@ _LEASE_MS = 1000
 """A peer that says nothing for this long is gone; Zenoh's default of ten seconds hides a hung process."""
 _LARGEST_MESSAGE = 2 * max(topic.cap for topic in TOPICS)
 _ALIVE = "alive"
-_ENDPOINT = re.compile(r"(tcp|tls|udp|quic|ws)/.+:\d{1,5}([?#].*)?")
+_ENDPOINT = re.compile(r"(tcp|tls|udp|quic|ws)/[^?#]+:(?P<port>\d{1,5})([?#].*)?")
 
 
 class BusError(Exception):
@@ -65,15 +65,41 @@ def open_router(listen: str, config_file: Path | None = None) -> zenoh.Session:
                 f"--config {config_file}: not a Zenoh configuration ({_first_line(problem)})"
             ) from None
     else:
+        _check_endpoint("--listen", listen)
         config = _config(_settings("router") | {"listen/endpoints": [listen], "listen/exit_on_failure": True})
     try:
         return zenoh.open(config)
     except zenoh.ZError as problem:
-        where = config_file or listen
+        if config_file is not None:
+            raise BusError(
+                f"--config {config_file}: cannot listen as it says ({_reason(problem)}). Is another router running "
+                "there? Choose another port in its listen/endpoints"
+            ) from None
+        other = _next_port(listen)
         raise BusError(
-            f"cannot listen on {where}: {_first_line(problem)}. Is another router running there? Choose another "
-            "port with --listen tcp/127.0.0.1:7448 and give every other process --connect tcp/127.0.0.1:7448"
+            f"cannot listen on {listen} ({_reason(problem)}). Is another router running there? Choose another "
+            f"port with --listen {other} and give every other process --connect {other}"
         ) from None
+
+
+def _check_endpoint(option: str, endpoint: str) -> None:
+    form = _ENDPOINT.fullmatch(endpoint)
+    if not form or not 0 < int(form["port"]) < 65536:
+        raise BusError(
+            f"{option} {endpoint}: wanted <protocol>/<address>:<port>, such as {DEFAULT_ENDPOINT}, port 1 to 65535"
+        )
+
+
+def _next_port(endpoint: str) -> str:
+    form = _ENDPOINT.fullmatch(endpoint)
+    assert form is not None
+    port = int(form["port"])
+    other = str(port + 1 if port < 65535 else 7447)
+    return endpoint[: form.start("port")] + other + endpoint[form.end("port") :]
+
+
+def _reason(problem: Exception) -> str:
+    return "the port is taken" if "Address already in use" in str(problem) else _first_line(problem)
 
 
 def _first_line(problem: Exception) -> str:
@@ -99,10 +125,7 @@ class ZenohBus:
         give_up: Callable[[], bool] = lambda: False,
     ) -> None:
         zenoh.init_log_from_env_or("off")
-        if not _ENDPOINT.fullmatch(connect):
-            raise BusError(
-                f"--connect {connect}: wanted <protocol>/<address>:<port>, such as {DEFAULT_ENDPOINT}"
-            )
+        _check_endpoint("--connect", connect)
         settings = _settings("client") | {
             "connect/endpoints": [connect],
             "connect/timeout_ms": 300,

@@ -4,15 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import Any, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
-
-
-def _refuse_bool(value: Any) -> Any:
-    if isinstance(value, bool):
-        raise ValueError("wanted a number, got true or false")
-    return value
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 
 Vector3 = tuple[float, float, float]
@@ -35,7 +29,9 @@ def parameter(
 class Parameters(BaseModel):
     """Base of every service's parameters. Immutable; ``changed`` gives a new, checked set."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, validate_default=True
+    )
 
     def model_post_init(self, _context: Any) -> None:
         """Check the declared ranges, which pydantic knows for scalars only."""
@@ -66,7 +62,7 @@ class Parameters(BaseModel):
             Refused: unknown name, wrong type or out of range; one line.
         """
         try:
-            return cls(**values)
+            return cls(**{name: _as_tuple(value) for name, value in values.items()})
         except ValidationError as problem:
             raise Refused(_one_line(problem, cls)) from None
 
@@ -101,17 +97,21 @@ def _plain(value: Any) -> Any:
     return value.model_dump() if isinstance(value, BaseModel) else value
 
 
+def _as_tuple(value: Any) -> Any:
+    """Lists, which is what TOML and MessagePack know, as the tuples that immutable parameters hold."""
+    return tuple(_as_tuple(element) for element in value) if isinstance(value, list) else value
+
+
 def _shown(value: Any) -> str:
     return str(list(value) if isinstance(value, tuple) else value)
 
 
 def _one_line(problem: ValidationError, cls: type[Parameters]) -> str:
     first = problem.errors()[0]
+    if first["type"] == "value_error":
+        return first["msg"].removeprefix("Value error, ")
     where = ".".join(str(part) for part in first["loc"])
     if first["type"] == "extra_forbidden":
         return f"{where} is no parameter; there are {', '.join(cls.model_fields)}"
     given = repr(first.get("input"))
-    return f"{where} is {given[:60]}: {first['msg'].removeprefix('Value error, ')}"
-
-
-Real = Annotated[float, AfterValidator(_refuse_bool)]
+    return f"{where} is {given[:60]}: {first['msg']}"
