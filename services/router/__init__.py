@@ -1,0 +1,1 @@
+"""The Zenoh router that the other processes meet at."""

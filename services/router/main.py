@@ -1,0 +1,45 @@
+"""The router as a process: opens one Zenoh session in router mode and keeps it until a signal."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from shared.bus_zenoh import DEFAULT_ENDPOINT, BusError, open_router
+from shared.config import Misconfigured, OneLineParser, complain
+from shared.process import StopRequest
+
+NAME = "router"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Route until SIGTERM or SIGINT.
+
+    Returns:
+        Exit status: 0 after a signal, 2 with one line on standard error if it cannot listen.
+    """
+    stop = StopRequest()
+    parser = OneLineParser(prog=f"python -m services.{NAME}")
+    parser.add_argument(
+        "--listen",
+        default=os.environ.get("TANDEM_LISTEN", DEFAULT_ENDPOINT),
+        help="endpoint to listen on (default: %(default)s); the other processes need it as --connect",
+    )
+    parser.add_argument(
+        "--config", type=Path, help="Zenoh's own JSON5 configuration, which then decides everything"
+    )
+    try:
+        options = parser.parse_args(arguments)
+        session = open_router(options.listen, options.config)
+    except (BusError, Misconfigured) as problem:
+        return complain(NAME, problem)
+    where = f"as {options.config} says" if options.config else f"on {options.listen}"
+    print(f"{NAME}: listening {where}", file=sys.stderr, flush=True)
+    try:
+        while not stop.requested:
+            stop.wake.wait()
+    finally:
+        session.close()
+    return 0

@@ -1,0 +1,111 @@
+"""The router as users start it."""
+
+from __future__ import annotations
+
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from shared.bus_zenoh import ZenohBus
+from tests.conftest import Router, StartProcess
+from tests.support.ports import free_endpoint, free_port
+from tests.support.wait import eventually
+
+
+def _lines(output: str) -> list[str]:
+    return [line for line in output.splitlines() if line.strip()]
+
+
+def test_carries_messages_between_two_processes_sessions(router: Router) -> None:
+    received: list[bytes] = []
+    receiver, sender = ZenohBus(connect=router.endpoint), ZenohBus(connect=router.endpoint)
+    try:
+        receiver.subscribe("stop", received.append)
+
+        def arrived() -> bool:
+            sender.publish("stop", b"payload")
+            return b"payload" in received
+
+        eventually(arrived, message="a payload through the router")
+    finally:
+        sender.close()
+        receiver.close()
+
+
+def test_shows_who_is_alive_and_who_left(router: Router) -> None:
+    watcher, service = ZenohBus(connect=router.endpoint), ZenohBus(connect=router.endpoint)
+    try:
+        service.alive("wrench")
+        eventually(lambda: watcher.living() == {"wrench"}, message="the token of the service")
+        service.close()
+        eventually(lambda: watcher.living() == set(), message="the token's end")
+    finally:
+        watcher.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_ends_within_two_seconds_of_a_signal_with_clients_connected(
+    router: Router, number: signal.Signals
+) -> None:
+    client = ZenohBus(connect=router.endpoint)
+    try:
+        before = time.monotonic()
+        router.process.signal(number)
+        assert router.process.wait(timeout=10.0) == 0
+        assert time.monotonic() - before < 2.0
+    finally:
+        client.close()
+
+
+def test_taken_port_is_one_line_that_names_port_and_remedy(router: Router, start: StartProcess) -> None:
+    second = start("services.router", "--listen", router.endpoint)
+    assert second.wait() == 2
+    (line,) = _lines(second.output)
+    other = router.endpoint.rsplit(":", 1)[0] + ":" + str(int(router.endpoint.rsplit(":", 1)[1]) + 1)
+    for part in (router.endpoint, "taken", f"--listen {other}", f"--connect {other}"):
+        assert part in line
+    assert router.process.running
+
+
+@pytest.mark.parametrize(
+    "endpoint", ["7447", "127.0.0.1:7447", "tcp/127.0.0.1", "tcp/127.0.0.1:0", "tcp/127.0.0.1:70000"]
+)
+def test_bad_endpoint_is_one_line_with_status_2(start: StartProcess, endpoint: str) -> None:
+    process = start("services.router", "--listen", endpoint)
+    assert process.wait() == 2
+    (line,) = _lines(process.output)
+    assert "--listen" in line and endpoint in line and "tcp/127.0.0.1:7447" in line
+
+
+@pytest.mark.parametrize("content", [None, '{ mode: "rou', "{ no_such_key: 1 }"])
+def test_bad_configuration_file_is_one_line_with_status_2(
+    start: StartProcess, tmp_path: Path, content: str | None
+) -> None:
+    path = tmp_path / "router.json5"
+    if content is not None:
+        path.write_text(content)
+    process = start("services.router", "--config", str(path))
+    assert process.wait() == 2
+    (line,) = _lines(process.output)
+    assert str(path) in line
+
+
+def test_configuration_file_decides(start: StartProcess, tmp_path: Path) -> None:
+    endpoint, path = free_endpoint(), tmp_path / "router.json5"
+    path.write_text(f'{{ mode: "router", listen: {{ endpoints: ["{endpoint}"] }}, '
+                    "scouting: { multicast: { enabled: false } } }")  # fmt: skip
+    process = start("services.router", "--config", str(path))
+    process.wait_for_output("listening")
+    ZenohBus(connect=endpoint).close()
+
+
+def test_listens_on_loopback_only_unless_told_otherwise(start: StartProcess) -> None:
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    process = start("services.router", environment={"TANDEM_LISTEN": endpoint})
+    process.wait_for_output(endpoint)
+    port = f"{int(endpoint.rsplit(':', 1)[1]):04X}"
+    table = Path(f"/proc/{process.pid}/net/tcp").read_text().splitlines()[1:]
+    listening = {fields[1] for fields in map(str.split, table) if fields[3] == "0A"}
+    assert [address for address in listening if address.endswith(f":{port}")] == [f"0100007F:{port}"]
