@@ -40,10 +40,19 @@ class Topic(Generic[M]):
 
 @dataclass(frozen=True)
 class Query:
-    """One queryable: key without the robot's prefix, and the service that answers."""
+    """One queryable.
+
+    Attributes:
+        key: without the robot's prefix.
+        server: the service that answers.
+        request: the request's fields, for the reader.
+        reply: the reply's fields besides ``ok``, for the reader.
+    """
 
     key: str
     server: str
+    request: str
+    reply: str
 
 
 SENSOR_FT = Topic("sensor/ft", m.FtSample, 100, 0.03, ROBOT)
@@ -90,13 +99,34 @@ TOPICS: tuple[Topic, ...] = (
     SIM_WORLD,
 )
 
-WRENCH_TARE = Query("wrench/tare", "wrench")
-WRENCH_IDENTIFY = Query("wrench/identify", "wrench")
-TASK_COMMAND = Query("task/command", "task")
-WRENCH_PARAMETERS = Query("wrench/parameters", "wrench")
-CONTROL_PARAMETERS = Query("control/parameters", "controller")
-BASE_PARAMETERS = Query("base/parameters", "base")
-SIM_COMMAND = Query("sim/command", ROBOT)
+WRENCH_TARE = Query(
+    "wrench/tare",
+    "wrench",
+    "`duration` s (default 1)",
+    "`force`[3] N, `torque`[3] Nm: bias in sensor axes; `samples`; `std`[6]",
+)
+WRENCH_IDENTIFY = Query(
+    "wrench/identify",
+    "wrench",
+    '`action` "start", "add", "solve" or "cancel"',
+    "solve: `mass` kg, `com`[3] m in sensor axes, `force_bias`[3], `torque_bias`[3], `sigma`, `residual_rms`[6], "
+    "`condition`",
+)
+TASK_COMMAND = Query("task/command", "task", '`command` "start", "abort", "release" or "reset"', "`state`")
+_PARAMETERS = (
+    "`set` {name: value}, or nothing",
+    "`parameters` {name: {`value`, `unit`, `min`, `max`, `doc`}}",
+)
+WRENCH_PARAMETERS = Query("wrench/parameters", "wrench", *_PARAMETERS)
+CONTROL_PARAMETERS = Query("control/parameters", "controller", *_PARAMETERS)
+BASE_PARAMETERS = Query("base/parameters", "base", *_PARAMETERS)
+SIM_COMMAND = Query(
+    "sim/command",
+    ROBOT,
+    '`command` "reset"; "load" {`mass` kg}; "push" {`force`[3], `torque`[3], `duration` s}; "fault" {`target`, `kind`, '
+    "`value`}; simulation only",
+    "nothing",
+)
 
 QUERIES = (
     WRENCH_TARE,

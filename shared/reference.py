@@ -1,0 +1,104 @@
+"""Writes docs/contract.md, the reference of the Zenoh interface, from the table of topics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from shared.fields import (
+    Boolean,
+    Bytes,
+    Integer,
+    Kind,
+    MapOf,
+    Number,
+    Quaternion,
+    Record,
+    RecordOf,
+    Text,
+    TextList,
+    Vector,
+)
+from shared.messages import Header
+from shared.topics import ANYBODY, QUERIES, ROBOT, TOPICS, health_topic
+
+_PREAMBLE = """\
+# The Zenoh interface, version 1
+
+Generated from `shared/topics.py` by `python -m shared.reference`; `make test` fails when it is out of date.
+
+- Keys are `<robot>/<key>`; `<robot>` is one chunk, `tiago` by default.
+- A payload is one MessagePack map with text keys, Zenoh encoding `application/msgpack`. Unknown fields are ignored. A
+  missing field, a wrong type or shape, a number that is not finite, or a payload over the cap rejects the message: it
+  is counted, never used, and crashes nothing.
+- SI units. Quaternions are `[x, y, z, w]` of unit norm. Unless a field says otherwise it is in the axes of `base`, the
+  robot's `base_footprint`; `tool` is the grasping frame of the right gripper, `sensor` the wrist's force-torque frame.
+- A twist is the linear velocity of the tool's origin and the angular velocity, relative to `base`. A wrench is what the
+  environment exerts on the robot: a mass of 1 kg that hangs from the tool gives force z = -9.81 N.
+- Every subscription is latest-value. Nobody may queue control data.
+- A running service holds the liveliness token `<robot>/alive/<service>`.
+"""
+
+_TYPES: tuple[tuple[type[Kind], str], ...] = (
+    (Quaternion, "quaternion"),
+    (Number, "float"),
+    (Integer, "int"),
+    (Boolean, "bool"),
+    (TextList, "text list"),
+    (Text, "text"),
+    (Bytes, "bytes"),
+)
+
+
+def _type_name(kind: Kind) -> str:
+    if isinstance(kind, RecordOf):
+        return "map or null" if kind.nullable else "map"
+    if isinstance(kind, MapOf):
+        return "map of maps"
+    for cls, name in _TYPES:
+        if isinstance(kind, cls):
+            return (
+                " / ".join(f'"{choice}"' for choice in kind.choices) if getattr(kind, "choices", ()) else name
+            )
+    assert isinstance(kind, Vector)
+    return f"float[{kind.size or 'n'}]"
+
+
+def _fields(record: type[Record], indent: str = "") -> Iterator[str]:
+    for name, kind, optional in record.kinds():
+        about = ", ".join(part for part in (kind.unit, kind.doc, "may be absent" if optional else "") if part)
+        yield f"{indent}- `{name}` {_type_name(kind)}{': ' + about if about else ''}"
+        if isinstance(kind, (RecordOf, MapOf)) and kind.record is not None:
+            yield from _fields(kind.record, indent + "  ")
+
+
+def lines() -> Iterator[str]:
+    """The lines of the reference."""
+    yield _PREAMBLE
+    yield "## Header of every message\n"
+    yield from _fields(Header)
+    yield "\n## Topics\n"
+    yield "| key | message | nominal rate | used up to an age of | publisher | cap |"
+    yield "|---|---|---|---|---|---|"
+    publishers = {ROBOT: "robot (simulation or bridge)", ANYBODY: "anybody permitted"}
+    topics = (*TOPICS, health_topic("<service>"))
+    for topic in topics:
+        rate = f"{topic.rate:g} Hz" if topic.rate else "on change"
+        age = "until replaced" if topic.max_age == float("inf") else f"{topic.max_age:g} s"
+        publisher = publishers.get(topic.publisher, topic.publisher)
+        yield f"| `{topic.key}` | {topic.message.__name__} | {rate} | {age} | {publisher} | {topic.cap // 1024} KiB |"
+    yield "\n## Messages"
+    for topic in topics:
+        yield f"\n### {topic.message.__name__} (`{topic.key}`)\n"
+        yield f"{topic.message.__doc__}\n"
+        yield from _fields(topic.message)
+    yield "\n## Queries\n"
+    yield 'Request and reply are maps; a refusal is `{"ok": false, "error": text}`.\n'
+    yield "| key | answered by | request | reply besides `ok` |"
+    yield "|---|---|---|---|"
+    for query in QUERIES:
+        server = publishers.get(query.server, query.server)
+        yield f"| `{query.key}` | {server} | {query.request} | {query.reply} |"
+
+
+if __name__ == "__main__":
+    print("\n".join(lines()))
