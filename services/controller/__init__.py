@@ -1,0 +1,1 @@
+"""The force-limiting controller: from wrench, pose and target to a tool twist that keeps the stated limits."""

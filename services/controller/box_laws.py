@@ -1,0 +1,91 @@
+"""The laws that bound every axis of the twist by itself: the paper's and the spring that it is compared with."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import numpy as np
+
+from services.controller.law import Law, LawInput, Motion
+from services.controller.parameters import ControllerParameters
+from services.controller.qp import TOLERANCE, UNBOUNDED, Qp, QpFailure, Timer, no_timer
+from shared.spatial import Array
+
+_GAMMA = 6
+
+
+class BoxLaw(Law):
+    """``minimise |v|^2 + k gamma`` in the 7 variables v, gamma, with ``l <= v <= u``."""
+
+    def __init__(
+        self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None
+    ) -> None:
+        super().__init__(parameters, timer, previous)
+        self.qp = Qp(np.array([1.0] * 6 + [0.0]), 1, timer, parameters.period)
+        self.qp.lower[_GAMMA] = 0.0
+        self.qp.upper[_GAMMA] = UNBOUNDED
+        self.qp.rows[0, _GAMMA] = -1.0
+
+    @property
+    def solve_us(self) -> float:
+        return self.qp.solve_us
+
+    @abstractmethod
+    def _bounds(self, state: LawInput, error: Array) -> tuple[Array, Array]:
+        """The law's own bounds l, u (6,) [m/s, rad/s], before the speed limits."""
+
+    def _move(self, state: LawInput, error: Array, length: float, dt: float) -> Motion:
+        qp, box = self.qp, self.box
+        own_lower, own_upper = self._bounds(state, error)
+        # A bound beyond the speed limits closes on them: the box is never empty.
+        lower = np.clip(own_lower, box.lower, box.upper)
+        upper = np.clip(own_upper, box.lower, box.upper)
+        qp.lower[:_GAMMA] = lower
+        qp.upper[:_GAMMA] = upper
+        # (e/|e|).v - gamma/|e| <= -(lambda/2)|e|, gamma/|e| being the last variable.
+        qp.rows[0, :_GAMMA] = self._unit_error(error, length)
+        qp.right[0] = -0.5 * self.parameters.lyapunov_rate * length
+        qp.cost[_GAMMA] = self.parameters.relaxation_weight * length
+        try:
+            v = np.clip(qp.solve()[:_GAMMA], lower, upper)
+            failure = None
+        except QpFailure as problem:
+            # The point of the box next to standing still needs no solver; it retreats where the box demands it.
+            v = np.clip(0.0, lower, upper)
+            v = v if np.isfinite(v).all() else self._rest
+            failure = self._recorded(problem)
+        # The lower bound of v_i keeps w_i below its upper limit.
+        active = ((v < own_lower + TOLERANCE).astype(float)) - ((v > own_upper - TOLERANCE).astype(float))
+        return Motion(v, active, bool(active.any()), failure)
+
+
+class PaperLaw(BoxLaw):
+    """The paper's barriers, one per axis: ``-w_i v_i <= -(alpha_i/2)(w_i^2 - wbar_i^2)`` (Theorem 1, Eq. (9b))."""
+
+    name = "paper"
+
+    def _bounds(self, state: LawInput, error: Array) -> tuple[Array, Array]:
+        w, alpha = state.wrench, self.parameters.barrier_rate
+        lower, upper = np.full(6, -UNBOUNDED), np.full(6, UNBOUNDED)
+        for i, (wi, limit) in enumerate(zip(w.tolist(), state.limit.tolist(), strict=True)):
+            # v_i >= (alpha_i/2)(w_i^2 - wbar_i^2)/w_i for w_i > 0, <= for w_i < 0, none for w_i = 0.
+            if wi > 0.0:
+                lower[i] = max(-UNBOUNDED, 0.5 * alpha[i] * (wi * wi - limit * limit) / wi)
+            elif wi < 0.0:
+                upper[i] = min(UNBOUNDED, 0.5 * alpha[i] * (wi * wi - limit * limit) / wi)
+        return lower, upper
+
+
+class StiffnessLaw(BoxLaw):
+    """A damped spring to the target: ``v_i = (w_i - K_i e_i)/D_i``, the baseline without force limits.
+
+    The damping is not a parameter of its own: ``D_i = 2 K_i / min(k, lambda)`` lets the free tool converge exactly as
+    fast as it does under the other laws.
+    """
+
+    name = "stiffness"
+
+    def _bounds(self, state: LawInput, error: Array) -> tuple[Array, Array]:
+        rate = 0.5 * min(self.parameters.relaxation_weight, self.parameters.lyapunov_rate)
+        v = rate * (state.wrench / np.array(self.parameters.spring_stiffness) - error)
+        return v, v

@@ -1,0 +1,187 @@
+"""What the three laws share: their inputs and outputs, the problem they solve, and how a tick ends safely.
+
+All of them minimise ``|v|^2 + k gamma`` subject to ``e . v <= -(lambda/2)|e|^2 + gamma`` (Dawson et al., Eq. (9)), where
+``e`` is the pose error and ``v`` the tool twist. They differ in their bounds on ``v`` alone.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from services.controller.parameters import ControllerParameters
+from services.controller.qp import QpFailure, Timer, no_timer
+from services.controller.speed import SpeedBox
+from services.controller.travel import Travel
+from shared.spatial import Array, pose_error
+
+AXES = ("x", "y", "z", "about x", "about y", "about z")
+_UNITS = ("N", "N", "N", "Nm", "Nm", "Nm")
+_AT_TARGET = 1e-9
+"""Pose error [m, rad] below which the target is reached and the Lyapunov row says nothing."""
+
+
+@dataclass(slots=True)
+class LawInput:
+    """What a tick knows; all in base axes.
+
+    Attributes:
+        wrench: w (6,) [N, Nm] measured, less the nominal wrench.
+        limit: wbar (6,) [N, Nm], > 0.
+        error_bound: eps (6,) [N, Nm], bound on the error of ``wrench``.
+        position: (3,) [m] of the tool's origin.
+        rotation: (3, 3), tool to base.
+        target_position: (3,) [m].
+        target_rotation: (3, 3).
+        nominal: (6,) [N, Nm] wrench that the tool carries by agreement.
+    """
+
+    wrench: Array
+    limit: Array
+    error_bound: Array
+    position: Array
+    rotation: Array
+    target_position: Array
+    target_rotation: Array
+    nominal: Array = field(default_factory=lambda: np.zeros(6))
+
+    @property
+    def finite(self) -> bool:
+        """Whether every number is finite, and small enough to be squared."""
+        parts = (self.wrench, self.limit, self.error_bound, self.position, self.target_position, self.nominal)
+        total = sum(float(part.dot(part)) for part in parts)
+        return math.isfinite(
+            total + float(np.vdot(self.rotation, self.rotation)) + float(np.vdot(self.target_rotation, self.target_rotation))
+        )
+
+
+@dataclass(slots=True)
+class LawOutput:
+    """What a tick decided.
+
+    Attributes:
+        twist: v (6,) [m/s, rad/s] to command.
+        active: (6,) 1 where the upper limit of the wrench's axis bounds the motion, -1 where the lower one does.
+        relaxation: gamma, by how much the Lyapunov condition is relaxed.
+        lyapunov: V = |e|^2 / 2.
+        yielding: the motion gives way to a wrench.
+        failure: why the tick braked instead, or None.
+    """
+
+    twist: Array
+    active: Array
+    relaxation: float = 0.0
+    lyapunov: float = 0.0
+    yielding: bool = False
+    failure: str | None = None
+
+
+@dataclass(slots=True)
+class Motion:
+    """A law's answer before it is scaled into the speed limits: twist (6,), active (6,), and whether it yields."""
+
+    twist: Array
+    active: Array
+    yielding: bool = False
+    failure: str | None = None
+
+
+class Law(ABC):
+    """One control law. Every call of ``step`` or ``brake`` must be followed by its twist being commanded.
+
+    Args:
+        parameters: of the controller.
+        timer: steady nanoseconds, to measure the solver with.
+        previous: the law that was in force so far, whose commands are still in flight.
+    """
+
+    name: str
+
+    def __init__(
+        self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None
+    ) -> None:
+        self.parameters = parameters
+        self.timer = timer
+        if previous is None:
+            self.travel = Travel(parameters.period, parameters.delay, parameters.lag)
+            self.box = SpeedBox(parameters)
+        else:
+            self.travel, self.box = previous.travel, previous.box
+            self.travel.configure(parameters.period, parameters.delay, parameters.lag)
+            self.box.configure(parameters)
+        self.last_failure: dict[str, Any] | None = None if previous is None else previous.last_failure
+        self._rest = np.zeros(6)
+
+    @property
+    @abstractmethod
+    def solve_us(self) -> float:
+        """Time [us] of the last solve, 0 without a timer."""
+
+    def step(self, state: LawInput, dt: float) -> LawOutput:
+        """Decide the twist, ``dt`` [s] after the last call of ``step`` or ``brake``.
+
+        Never raises for bad numbers and never returns any: what cannot be trusted ends in a twist that brakes, with
+        the reason in ``failure``.
+        """
+        dt = dt if 0.0 <= dt < math.inf else 0.0
+        self.travel.advance(dt)
+        refusal = self._refusal(state)
+        if refusal is not None:
+            return self._finish(Motion(self._rest, self._rest, failure=refusal))
+        self.box.update(state.rotation, dt)
+        error = pose_error(state.position, state.rotation, state.target_position, state.target_rotation)
+        length = math.sqrt(float(error.dot(error)))
+        motion = self._move(state, error, length, dt)
+        return self._finish(motion, error, length)
+
+    def brake(self, dt: float) -> None:
+        """Account for a command of zero, ``dt`` [s] after the last call."""
+        self.travel.advance(dt)
+        self.travel.command(self._rest)
+        self.box.sent(self._rest)
+
+    @abstractmethod
+    def _move(self, state: LawInput, error: Array, length: float, dt: float) -> Motion:
+        """The law's own part; ``error`` (6,) with norm ``length``."""
+
+    def _refusal(self, state: LawInput) -> str | None:
+        return None if state.finite else "an input is not finite"
+
+    def _recorded(self, failure: QpFailure) -> str:
+        self.last_failure = {"reason": failure.reason, **failure.problem}
+        return failure.reason
+
+    def _finish(self, motion: Motion, error: Array | None = None, length: float = 0.0) -> LawOutput:
+        twist = self.box.shortened(motion.twist)
+        if not math.isfinite(float(twist.dot(twist))):
+            motion = Motion(self._rest, self._rest, failure="the twist is not finite")
+            twist = self._rest
+        self.travel.command(twist)
+        self.box.sent(twist)
+        output = LawOutput(twist.copy(), motion.active, yielding=motion.yielding, failure=motion.failure)
+        if error is not None:
+            output.lyapunov = 0.5 * length * length
+            rate = float(error.dot(twist)) + self.parameters.lyapunov_rate * output.lyapunov
+            output.relaxation = max(0.0, rate)
+        return output
+
+    def _unit_error(self, error: Array, length: float) -> Array:
+        """``e/|e|``: the Lyapunov row divided by the error's norm, which makes it a speed like all other rows."""
+        return error / length if length > _AT_TARGET else self._rest
+
+
+def narrow_limit(limit: Array, error_bound: Array) -> str | None:
+    """Why the limits (6,) cannot be kept with such errors (6,), or None: what is left must exceed twice the error."""
+    left = (limit - 3.0 * error_bound).tolist()
+    if min(left) > 0.0:
+        return None
+    axis = min(range(6), key=lambda i: limit[i] / (error_bound[i] + 1e-300))
+    unit = _UNITS[axis]
+    return (
+        f"the limit {limit[axis]:g} {unit} {AXES[axis]} is not above three times its error bound "
+        f"{error_bound[axis]:g} {unit}: raise the limit, tare the sensor or lower its noise"
+    )

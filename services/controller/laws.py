@@ -1,0 +1,24 @@
+"""The laws by name, and the names that other modules and programs build on."""
+
+from __future__ import annotations
+
+from services.controller.box_laws import PaperLaw, StiffnessLaw
+from services.controller.certified import CertifiedLaw
+from services.controller.law import Law, LawInput, LawOutput
+from services.controller.parameters import ControllerParameters
+from services.controller.qp import Timer, no_timer
+
+__all__ = ["LAWS", "CertifiedLaw", "Law", "LawInput", "LawOutput", "PaperLaw", "StiffnessLaw", "make_law"]
+
+LAWS: dict[str, type[Law]] = {law.name: law for law in (CertifiedLaw, PaperLaw, StiffnessLaw)}
+
+
+def make_law(parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None) -> Law:
+    """The law that the parameters name.
+
+    Args:
+        parameters: of the controller.
+        timer: steady nanoseconds, to measure the solver with.
+        previous: the law in force so far; what it has commanded stays accounted for.
+    """
+    return LAWS[parameters.law](parameters, timer, previous)

@@ -1,0 +1,201 @@
+"""Giving way: the part ``y`` of the twist that retreats from a wrench, whatever the target wants.
+
+``StrictYield`` acts only beyond the limit, which at rest is never; ``RoundedYield`` begins earlier and moves down the
+gradient of the distance from a smaller box, which cannot raise that distance for any passive contact
+(docs/guarantee.md, "Yielding" and "The rounded box").
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from services.controller.contact import StiffnessBound
+
+_STOPPED = 1e-7
+"""An integral slower than this [m/s, rad/s] has ended."""
+_INTEGRAL_TIME = 4.0
+"""Time constant of the integral in response times D; 2 oscillates at the largest stiffness, 4 decays."""
+_FORGET_TIME = 2.0
+"""Time constant, in response times D, with which the integral of an axis that is not pressed decays."""
+
+Vector = Sequence[float]
+
+
+def scaled_into(twist: list[float], speed: Vector) -> list[float]:
+    """The twist (6,), shortened as a whole until no element exceeds ``speed`` (6,) [m/s, rad/s]."""
+    factor = 1.0
+    for value, limit in zip(twist, speed, strict=True):
+        if abs(value) * factor > limit:
+            factor = limit / abs(value)
+    return twist if factor == 1.0 else [factor * value for value in twist]
+
+
+class _Integral:
+    """Integral of a yielding velocity; lets a steady push be followed without a lasting excess."""
+
+    def __init__(self) -> None:
+        self.value = [0.0] * 6
+
+    def add(self, y: Vector, wrench: Vector, speed: Vector, response_time: float, dt: float) -> list[float]:
+        """``y`` (6,) plus its integral, which is carried on by ``dt`` [s]."""
+        gain = dt / (_INTEGRAL_TIME * response_time)
+        decay = math.exp(-dt / (_FORGET_TIME * response_time))
+        kept = self.value
+        for i in range(6):
+            value = kept[i] + gain * y[i]
+            if y[i] == 0.0 or value * wrench[i] < 0.0:
+                value *= decay
+            kept[i] = value if abs(value) > _STOPPED else 0.0
+        self.value = scaled_into(kept, speed)
+        return [own + past for own, past in zip(y, self.value, strict=True)]
+
+    @property
+    def at_rest(self) -> bool:
+        return not any(self.value)
+
+
+class StrictYield:
+    """Retreat in proportion to the excess over the limit plus its error bound."""
+
+    def __init__(self) -> None:
+        self._integral = _Integral()
+
+    def step(
+        self, wrench: Vector, wall: Vector, bound: StiffnessBound, speed: Vector, response_time: float, dt: float
+    ) -> list[float] | None:
+        """Yielding velocity (6,) [m/s, rad/s], or None if there is none.
+
+        ``y_i = sign(w_i) excess_i / (x_i sum_{j over} (Kbar_ij / x_j) D)`` with ``x_i = sqrt(Kbar_ii)``, which makes the
+        sum of N/m and N/rad independent of the units.
+
+        Args:
+            wrench: w (6,) [N, Nm].
+            wall: wbar + eps (6,): a smaller measured wrench may still be within the limit.
+            bound: Kbar.
+            speed: (6,) [m/s, rad/s] that the integral saturates at.
+            response_time: D [s].
+            dt: [s] since the last step.
+        """
+        over = [i for i in range(6) if abs(wrench[i]) > wall[i]]
+        if not over and self._integral.at_rest:
+            return None
+        y = [0.0] * 6
+        for i in over:
+            row, x = bound.rows[i], bound.roots
+            coupled = sum(row[j] / x[j] for j in over)
+            y[i] = math.copysign(abs(wrench[i]) - wall[i], wrench[i]) / (x[i] * coupled * response_time)
+        return self._integral.add(y, wrench, speed, response_time, dt)
+
+
+class RoundedYield:
+    """Retreat from the box of ``yield_start`` limits along the gradient of the distance from it.
+
+    Attributes:
+        distance: h (6,), how far each axis is beyond its threshold, in units of the room left above it; V = |h|.
+    """
+
+    def __init__(self) -> None:
+        self._integral = _Integral()
+        self._beyond = StrictYield()
+        self.distance = [0.0] * 6
+
+    def step(
+        self,
+        wrench: Vector,
+        wall: Vector,
+        start: Vector,
+        room: Vector,
+        bound: StiffnessBound,
+        speed: Vector,
+        response_time: float,
+        dt: float,
+    ) -> list[float] | None:
+        """Yielding velocity (6,) [m/s, rad/s], or None if there is none.
+
+        ``y_i = sign(w_i) h_i / (X_i lambda_P D)``, lambda_P the largest eigenvalue of ``X^-1 K X^-1`` that a contact can
+        have on the axes P beyond their thresholds, or that would be carried beyond them by y.
+
+        Args:
+            wrench: w (6,) [N, Nm].
+            wall: wbar + eps (6,).
+            start: theta (6,) [N, Nm], threshold.
+            room: X (6,) [N, Nm], from the threshold to the capped limit.
+            bound: Kbar.
+            speed: (6,) [m/s, rad/s] that the integrals saturate at.
+            response_time: D [s].
+            dt: [s] since the last step.
+        """
+        h = [max(0.0, abs(wrench[i]) - start[i]) / room[i] for i in range(6)]
+        self.distance = h
+        beyond = self._beyond.step(wrench, wall, bound, speed, response_time, dt)
+        pressed = [i for i in range(6) if h[i] > 0.0]
+        if not pressed and beyond is None and self._integral.at_rest:
+            return None
+        y = self._down_the_gradient(pressed, wrench, start, room, bound, response_time)
+        y = self._integral.add(y, wrench, speed, response_time, dt)
+        if beyond is not None:
+            y = [max(pair, key=abs) for pair in zip(y, beyond, strict=True)]
+        return y
+
+    def _down_the_gradient(
+        self,
+        pressed: list[int],
+        wrench: Vector,
+        start: Vector,
+        room: Vector,
+        bound: StiffnessBound,
+        response_time: float,
+    ) -> list[float]:
+        y = [0.0] * 6
+        if not pressed:
+            return y
+        slope = [math.copysign(self.distance[i] / room[i], wrench[i]) for i in range(6)]
+        joined = list(pressed)
+        while True:
+            gain = 1.0 / (largest_stiffness(bound, joined, room) * response_time)
+            y = [gain * value for value in slope]
+            turned = [
+                j
+                for j in range(6)
+                if j not in joined
+                and response_time * sum(bound.rows[j][i] * abs(y[i]) for i in pressed) > start[j] - abs(wrench[j])
+            ]
+            if not turned:
+                return y
+            joined += turned
+
+
+def largest_stiffness(bound: StiffnessBound, axes: Sequence[int], room: Vector) -> float:
+    """Bound on the largest eigenvalue of ``X^-1 K X^-1`` on some axes, over all contacts that are declared.
+
+    Per zone ``kappa m lambda_max(J_P X_P^-2 J_P')`` at the corner of the reach: the eigenvalue is convex in r, and the
+    corners differ by reflections, which leave it unchanged. The geometric part G adds its largest row sum.
+    """
+    weight = [1.0 / room[i] ** 2 if i in axes else 0.0 for i in range(6)]
+    ax, ay, az, bx, by, bz = weight
+    total = 0.0
+    for zone, (x, y, z) in zip(bound.zones, bound.reaches, strict=True):
+        total += zone.stiffness * zone.amplification * _largest_eigenvalue(
+            ax + by * z * z + bz * y * y,
+            ay + bx * z * z + bz * x * x,
+            az + bx * y * y + by * x * x,
+            -bz * x * y,
+            -by * x * z,
+            -bx * y * z,
+        )
+    G = bound.geometric_rows
+    return total + max(sum(G[i][j] / room[j] for j in axes) / room[i] for i in axes)
+
+
+def _largest_eigenvalue(xx: float, yy: float, zz: float, xy: float, xz: float, yz: float) -> float:
+    """Largest eigenvalue of a symmetric 3x3 matrix, in closed form (the trigonometric solution of its cubic)."""
+    off = xy * xy + xz * xz + yz * yz
+    mean = (xx + yy + zz) / 3.0
+    dx, dy, dz = xx - mean, yy - mean, zz - mean
+    spread = math.sqrt((dx * dx + dy * dy + dz * dz + 2.0 * off) / 6.0)
+    if spread <= 1e-12 * mean:
+        return mean + spread
+    determinant = dx * (dy * dz - yz * yz) - xy * (xy * dz - yz * xz) + xz * (xy * yz - dy * xz)
+    cosine = min(1.0, max(-1.0, determinant / (2.0 * spread**3)))
+    return mean + 2.0 * spread * math.cos(math.acos(cosine) / 3.0)
