@@ -1,0 +1,7 @@
+"""``python -m services.wrench``."""
+
+import sys
+
+from services.wrench.main import main
+
+sys.exit(main())

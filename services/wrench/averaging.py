@@ -1,0 +1,111 @@
+"""Averaging readings while the tool stands still and nothing happens to it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from shared.spatial import Array, rotation_from_vector, rotation_vector
+
+FEWEST_SAMPLES = 10
+"""A mean and a standard deviation of fewer readings say too little."""
+LARGEST_TURN = 0.01
+"""Turn of the sensor [rad] within the window above which it counts as moving: 1 % of the weight beyond the sensor."""
+SIGMAS = 5.0
+"""Standard deviations taken as a bound: a normal error is beyond it once in 1.7 million readings."""
+
+AXES = ("force x", "force y", "force z", "torque x", "torque y", "torque z")
+UNITS = ("N", "N", "N", "Nm", "Nm", "Nm")
+
+
+class NotStill(ValueError):
+    """The readings are of no use for an average; the text says why."""
+
+
+@dataclass(frozen=True)
+class Average:
+    """Average of a window.
+
+    Attributes:
+        mean: (6,) [N, Nm], sensor axes.
+        std: (6,) [N, Nm] standard deviation of one reading.
+        samples: number of readings.
+        rotation: sensor in base (3, 3).
+    """
+
+    mean: Array
+    std: Array
+    samples: int
+    rotation: Array
+
+    @property
+    def mean_error(self) -> Array:
+        """Bound (6,) [N, Nm] on the error of the mean, for independent readings."""
+        return SIGMAS * self.std / math.sqrt(self.samples)
+
+    @property
+    def noise(self) -> Array:
+        """Bound (6,) [N, Nm] on the noise of one reading."""
+        return SIGMAS * self.std
+
+
+class Window:
+    """Collects readings for ``duration`` [s]; refuses those that are not of a tool at rest.
+
+    Args:
+        duration: [s].
+        noise_bound: (6,) [N, Nm] declared bound on the sensor's noise, sensor axes.
+    """
+
+    def __init__(self, duration: float, noise_bound: Array) -> None:
+        self._left = duration
+        self._noise_bound = noise_bound
+        self._readings: list[Array] = []
+        self._rotations: list[Array] = []
+
+    def add(self, reading: Array, rotation: Array, dt: float) -> bool:
+        """Take in one reading and its sensor in base, ``dt`` [s] after the last; true once the window is full."""
+        if self._readings:
+            self._left -= dt
+        self._readings.append(reading)
+        self._rotations.append(rotation)
+        return self._left <= 0.0
+
+    def average(self) -> Average:
+        """Average of the window.
+
+        Raises:
+            NotStill: if there are too few readings, or the tool turned, was moved or touched.
+        """
+        count = len(self._readings)
+        if count < FEWEST_SAMPLES:
+            raise NotStill(
+                f"only {count} samples came in, wanted at least {FEWEST_SAMPLES}: use a longer duration"
+            )
+        rotation = self._mean_rotation()
+        readings = np.array(self._readings)
+        mean, std = readings.mean(axis=0), readings.std(axis=0, ddof=1)
+        half = count // 2
+        drift = np.abs(readings[:half].mean(axis=0) - readings[half:].mean(axis=0))
+        drift_limit = np.maximum(0.5 * self._noise_bound, 2.0 * SIGMAS * std / math.sqrt(count))
+        for what, values, limits in (("varies", std, self._noise_bound), ("drifts", drift, drift_limit)):
+            axis = int(np.argmax(values / limits))
+            if values[axis] > limits[axis]:
+                raise NotStill(
+                    f"{AXES[axis]} {what} by {values[axis]:.3g}, allowed are {limits[axis]:.3g} {UNITS[axis]}: "
+                    "the tool moves or something touches it. Let it stand still and free, or raise noise_bound"
+                )
+        return Average(mean, std, count, rotation)
+
+    def _mean_rotation(self) -> Array:
+        first = self._rotations[0]
+        turns = np.array([rotation_vector(rotation @ first.T) for rotation in self._rotations])
+        largest = float(np.sqrt((turns**2).sum(axis=1)).max())
+        if largest > LARGEST_TURN:
+            raise NotStill(
+                f"the sensor turned by {largest:.3f} rad, allowed are {LARGEST_TURN} rad: the tool moves"
+            )
+        # Within a hundredth of a radian the mean of the rotation vectors is the mean of the rotations.
+        return rotation_from_vector(turns.mean(axis=0)) @ first

@@ -1,0 +1,103 @@
+"""What of a raw reading is not the environment: the sensor's bias and the weight beyond the sensor.
+
+A reading in sensor axes, about the sensor's origin, with nothing touching the tool, is
+
+    force  = m g_s + b_f            g_s = R^T (0, 0, -9.81), R = sensor in base
+    torque = h x g_s + b_tau        h = m c, c = centre of mass in sensor axes
+
+A tare knows only the sum at one orientation; an identified payload knows m, h, b_f and b_tau, thus every orientation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from shared.spatial import Array, cross, wrench_about
+
+GRAVITY = 9.81
+"""Standard gravity as the contract rounds it [m/s^2]."""
+
+
+def _zeros(size: int) -> Array:
+    return np.zeros(size)
+
+
+def gravity_in_sensor(rotation: Array) -> Array:
+    """Gravity (3,) [m/s^2] in sensor axes; ``rotation`` (3, 3) is the sensor in base, whose z axis points up."""
+    return -GRAVITY * rotation[2]
+
+
+def payload_wrench(mass: float, moment: Array, rotation: Array) -> Array:
+    """Weight (6,) [N, Nm] of what is beyond the sensor, sensor axes, about the sensor's origin.
+
+    Args:
+        mass: [kg].
+        moment: mass times centre of mass (3,) [kg m], sensor axes.
+        rotation: sensor in base (3, 3).
+    """
+    gravity = gravity_in_sensor(rotation)
+    return np.concatenate((mass * gravity, cross(moment, gravity)))
+
+
+@dataclass(frozen=True)
+class Compensation:
+    """What is subtracted from each reading, and how well it is known.
+
+    Attributes:
+        kind: ``none``, ``tare`` or ``payload``.
+        bias: (6,) [N, Nm] sensor axes.
+        bias_error: (6,) [N, Nm] bound on the error of ``bias``, sensor axes, at the orientations it was measured in.
+        mass: [kg] of the identified payload, 0 for ``none`` and ``tare``.
+        moment: (3,) [kg m] mass times centre of mass of the identified payload, sensor axes.
+        mass_error: [kg] bound on the error of ``mass``.
+        moment_error: [kg m] bound on the length of the error of ``moment``.
+        noise: (6,) [N, Nm] bound on the sensor's noise as measured while it stood still, 0 if it never was.
+        up: (3,) base's z axis in sensor axes at the tare.
+    """
+
+    kind: str = "none"
+    bias: Array = field(default_factory=lambda: _zeros(6))
+    bias_error: Array = field(default_factory=lambda: _zeros(6))
+    mass: float = 0.0
+    moment: Array = field(default_factory=lambda: _zeros(3))
+    mass_error: float = 0.0
+    moment_error: float = 0.0
+    noise: Array = field(default_factory=lambda: _zeros(6))
+    up: Array = field(default_factory=lambda: _zeros(3))
+
+    def offset(self, rotation: Array) -> Array:
+        """What to subtract (6,) [N, Nm] from a reading taken with the sensor at ``rotation`` in base."""
+        if self.kind == "payload":
+            return self.bias + payload_wrench(self.mass, self.moment, rotation)
+        return self.bias
+
+    def tared(self, reading: Array, error: Array, noise: Array, rotation: Array) -> Compensation:
+        """This compensation after a tare: the average ``reading`` (6,) is what nothing touching looks like.
+
+        An identified payload stays known; only the bias is measured anew. Without one the bias takes in the weight.
+
+        Args:
+            reading: average of the raw readings (6,) [N, Nm], sensor axes.
+            error: bound on the error of that average (6,).
+            noise: bound on the noise of one reading (6,), measured.
+            rotation: sensor in base (3, 3) during the tare.
+        """
+        if self.kind == "payload":
+            weight = payload_wrench(self.mass, self.moment, rotation)
+            return replace(self, bias=reading - weight, bias_error=error, noise=noise)
+        return Compensation("tare", bias=reading, bias_error=error, noise=noise, up=rotation[2].copy())
+
+
+def external_wrench(reading: Array, compensation: Compensation, rotation: Array, tool_offset: Array) -> Array:
+    """External wrench (6,) [N, Nm] about the tool's origin in base axes.
+
+    Args:
+        reading: raw force and torque (6,), sensor axes, about the sensor's origin.
+        compensation: what to subtract.
+        rotation: sensor in base (3, 3).
+        tool_offset: tool's origin from the sensor's origin (3,) [m], sensor axes.
+    """
+    at_tool = wrench_about(reading - compensation.offset(rotation), -tool_offset)
+    return np.concatenate((rotation @ at_tool[:3], rotation @ at_tool[3:]))

@@ -1,0 +1,170 @@
+"""Identification of the weight beyond the sensor and of the sensor's bias from several poses, by least squares.
+
+With nothing touching the tool a reading in sensor axes is linear in ten unknowns (g_s is gravity in sensor axes):
+
+    force  = m g_s + b_f                  4 unknowns: m, b_f
+    torque = h x g_s + b_tau              6 unknowns: h = m c, b_tau
+
+No unknown stands in both, so they are two problems, each solved on its own. The columns of m and h are divided by g:
+unknowns are then forces and torques alone, and the condition numbers say how well the poses excite them. Only the
+direction of gravity in the sensor's axes matters; it has to leave a straight line, or the part of h along that line
+cannot be told from the bias. Standard deviations follow from the residuals, or from the noise of the averages where
+that is larger: with few poses a small residual is luck.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from services.wrench.averaging import SIGMAS, Average
+from services.wrench.compensation import GRAVITY, Compensation, gravity_in_sensor
+from shared.spatial import Array, skew
+
+LARGEST_CONDITION = 30.0
+"""Above this the errors of the readings come out thirty times as large in the parameters."""
+FEWEST_POSES = 3
+"""Three directions of gravity, not on one line, determine the ten unknowns."""
+
+
+class NotExciting(ValueError):
+    """The poses do not determine the unknowns; the text says which motion is missing."""
+
+
+@dataclass(frozen=True)
+class Identified:
+    """Result, sensor axes; the fields ``sigma_*`` are standard deviations of the fields before them.
+
+    Attributes:
+        mass: [kg].
+        com: centre of mass (3,) [m] from the sensor's origin.
+        force_bias: (3,) [N].
+        torque_bias: (3,) [Nm].
+        residual_rms: (6,) [N, Nm] over the poses.
+        residual_peak: (6,) [N, Nm] over the poses.
+        noise: (6,) [N, Nm] bound on the noise of one reading.
+        condition: the larger condition number of the two scaled problems.
+        poses: how many were used.
+    """
+
+    mass: float
+    com: Array
+    force_bias: Array
+    torque_bias: Array
+    sigma_mass: float
+    sigma_com: Array
+    sigma_force_bias: Array
+    sigma_torque_bias: Array
+    residual_rms: Array
+    residual_peak: Array
+    noise: Array
+    condition: float
+    poses: int
+
+    def compensation(self) -> Compensation:
+        """What to subtract from readings, with bounds on its error."""
+        bias_sigma = np.concatenate((self.sigma_force_bias, self.sigma_torque_bias))
+        com_length = float(np.linalg.norm(self.com))
+        moment_sigma = self.mass * float(np.linalg.norm(self.sigma_com)) + com_length * self.sigma_mass
+        return Compensation(
+            "payload",
+            bias=np.concatenate((self.force_bias, self.torque_bias)),
+            # What the model does not explain (a bent cable, a sensor off its calibration) shows in the residuals.
+            bias_error=SIGMAS * bias_sigma + self.residual_peak,
+            mass=self.mass,
+            moment=self.mass * self.com,
+            mass_error=SIGMAS * self.sigma_mass,
+            moment_error=SIGMAS * moment_sigma,
+            noise=self.noise,
+        )
+
+
+def identify(poses: list[Average]) -> Identified:
+    """Weight and bias from averages at several poses with nothing touching the tool.
+
+    Raises:
+        NotExciting: if the poses do not determine the unknowns, or there is no weight to be found.
+    """
+    if len(poses) < FEWEST_POSES:
+        raise NotExciting(
+            f"{len(poses)} poses were added, wanted at least {FEWEST_POSES}, "
+            "with gravity in clearly different directions of the sensor"
+        )
+    down = np.array([gravity_in_sensor(pose.rotation) / GRAVITY for pose in poses])
+    force_rows, torque_rows = _design(down)
+    condition = max(_condition(force_rows), _condition(torque_rows))
+    if condition > LARGEST_CONDITION:
+        raise NotExciting(_missing(down, condition))
+    means = np.array([pose.mean for pose in poses])
+    mean_sigma = np.sqrt(np.mean([pose.std**2 / pose.samples for pose in poses], axis=0))
+    force, force_covariance, force_residuals = _least_squares(force_rows, means[:, :3], mean_sigma[:3])
+    torque, torque_covariance, torque_residuals = _least_squares(torque_rows, means[:, 3:], mean_sigma[3:])
+    mass, sigma_mass = force[0] / GRAVITY, np.sqrt(force_covariance[0, 0]) / GRAVITY
+    if mass <= SIGMAS * sigma_mass:
+        raise NotExciting(
+            f"the weight found, {mass:.4f} kg with a standard deviation of {sigma_mass:.4f} kg, does not stand out: "
+            "is anything mounted beyond the sensor, and does nothing touch it?"
+        )
+    com = torque[:3] / force[0]
+    com_variance = (np.diag(torque_covariance)[:3] + com**2 * force_covariance[0, 0]) / force[0] ** 2
+    residuals = np.hstack((force_residuals, torque_residuals))
+    return Identified(
+        mass=float(mass),
+        com=com,
+        force_bias=force[1:],
+        torque_bias=torque[3:],
+        sigma_mass=float(sigma_mass),
+        sigma_com=np.sqrt(com_variance),
+        sigma_force_bias=np.sqrt(np.diag(force_covariance)[1:]),
+        sigma_torque_bias=np.sqrt(np.diag(torque_covariance)[3:]),
+        residual_rms=np.sqrt((residuals**2).mean(axis=0)),
+        residual_peak=np.abs(residuals).max(axis=0),
+        noise=np.max([pose.noise for pose in poses], axis=0),
+        condition=condition,
+        poses=len(poses),
+    )
+
+
+def _design(down: Array) -> tuple[Array, Array]:
+    """Rows (3 n, 4) of the forces in [m g, b_f] and (3 n, 6) of the torques in [h g, b_tau]."""
+    identity = np.eye(3)
+    force_rows = np.vstack([np.column_stack((direction, identity)) for direction in down])
+    torque_rows = np.vstack([np.column_stack((-skew(direction), identity)) for direction in down])
+    return force_rows, torque_rows
+
+
+def _condition(rows: Array) -> float:
+    singular = np.linalg.svd(rows, compute_uv=False)
+    return float(singular[0] / max(singular[-1], np.finfo(float).tiny))
+
+
+def _least_squares(rows: Array, means: Array, sigma: Array) -> tuple[Array, Array, Array]:
+    """Solution (k,), its covariance (k, k) and the residuals (n, 3) of readings ``means`` (n, 3).
+
+    The covariance takes the worst axis for all three, with the larger of the two estimates of its variance.
+    """
+    solution: Array = np.linalg.lstsq(rows, means.ravel(), rcond=None)[0]
+    residuals: Array = (means.ravel() - rows @ solution).reshape(means.shape)
+    freedom = means.size - rows.shape[1]
+    inverse: Array = np.linalg.inv(rows.T @ rows)
+    variance = max(float((residuals**2).sum()) / freedom, float((sigma**2).max()))
+    return solution, variance * inverse, residuals
+
+
+def _missing(down: Array, condition: float) -> str:
+    """Which motion would make the poses determine the unknowns: one line."""
+    centred = down - down.mean(axis=0)
+    _, spreads, directions = np.linalg.svd(centred)
+    spread = spreads[0] / np.sqrt(len(down))
+    start = f"the poses do not determine the payload (condition {condition:.3g}, allowed is {LARGEST_CONDITION:g}): "
+    if spread < 0.1:
+        return start + (
+            f"the sensor's tilt varies by only {np.degrees(spread):.1f} degrees (turning about the vertical does "
+            "not count). Add poses tilted by 30 degrees or more, about two different axes"
+        )
+    # Turning about the axis a moves gravity along a x down: perpendicular to the line seen so far if a is that line.
+    axis = "xyz"[int(np.argmax(np.abs(directions[0])))]
+    return start + (
+        f"the sensor was tilted about one axis only. Add poses tilted by 30 degrees or more about its {axis} axis too"
+    )

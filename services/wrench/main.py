@@ -1,0 +1,19 @@
+"""The wrench service as a process."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from services.wrench.parameters import WrenchParameters
+from services.wrench.storage import default_folder
+from services.wrench.wrench import Wrench
+from shared.process import run
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run until SIGTERM; returns the exit status."""
+
+    def make(parameters: WrenchParameters) -> Wrench:
+        return Wrench(parameters, default_folder())
+
+    return run(make, WrenchParameters, "wrench", None if arguments is None else list(arguments))

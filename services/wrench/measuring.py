@@ -1,0 +1,130 @@
+"""Measurements that were asked for and take a while: a tare, and the poses of an identification."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from services.wrench.averaging import Average, NotStill, Window
+from services.wrench.compensation import Compensation
+from services.wrench.identification import Identified, NotExciting, identify
+from shared.parameters import Refused
+from shared.spatial import Array
+
+SHORTEST, LONGEST = 0.1, 30.0
+"""Duration [s] of one measurement."""
+MOST_POSES = 100
+
+Reply = Callable[[dict[str, Any]], None]
+
+
+class Measuring:
+    """One measurement at a time, answered when its window is full or as soon as it is spoilt."""
+
+    def __init__(self) -> None:
+        self._window: Window | None = None
+        self._taring = False
+        self._reply: Reply | None = None
+        self._poses: list[Average] | None = None
+
+    def begin(self, taring: bool, duration: Any, noise_bound: Array, reply: Reply) -> None:
+        """Start a tare, or a pose of the identification; ``reply`` is called in a later step.
+
+        Raises:
+            Refused: if one is running, no identification was started, or ``duration`` [s] is out of range.
+        """
+        number = isinstance(duration, (int, float)) and not isinstance(duration, bool)
+        if not number or not SHORTEST <= duration <= LONGEST:
+            raise Refused(f"duration is {duration!r}, wanted {SHORTEST} to {LONGEST} s")
+        if self._window is not None:
+            raise Refused("a measurement is running: ask again when it has been answered")
+        if not taring and self._poses is None:
+            raise Refused('no identification was started: ask {"action": "start"} first')
+        if not taring and self._poses is not None and len(self._poses) >= MOST_POSES:
+            raise Refused(f"{MOST_POSES} poses were added already: solve, or start anew")
+        self._window = Window(float(duration), noise_bound)
+        self._taring, self._reply = taring, reply
+
+    def add(self, raw: Array, rotation: Array, dt: float, compensation: Compensation) -> Compensation | None:
+        """Take in a reading; what to subtract from now on, if that completes a tare.
+
+        Args:
+            raw: force and torque (6,), sensor axes.
+            rotation: sensor in base (3, 3).
+            dt: time [s] since the last reading.
+            compensation: in force now.
+        """
+        if self._window is None or not self._window.add(raw, rotation, dt):
+            return None
+        try:
+            average = self._window.average()
+        except NotStill as problem:
+            self.abort(str(problem))
+            return None
+        if self._taring:
+            tared = compensation.tared(average.mean, average.mean_error, average.noise, average.rotation)
+            self._finish(
+                {
+                    "force": tared.bias[:3].tolist(),
+                    "torque": tared.bias[3:].tolist(),
+                    "samples": average.samples,
+                    "std": average.std.tolist(),
+                }
+            )
+            return tared
+        assert self._poses is not None
+        self._poses.append(average)
+        self._finish({"poses": len(self._poses), "samples": average.samples, "std": average.std.tolist()})
+        return None
+
+    def abort(self, reason: str) -> None:
+        """Refuse the running measurement, if there is one; poses that were added stay."""
+        if self._window is not None:
+            self._finish({"ok": False, "error": reason})
+
+    def restart(self, start: bool) -> None:
+        """Forget all poses, and begin an identification if ``start``."""
+        if not self._taring:
+            self.abort("the identification was ended")
+        self._poses = [] if start else None
+
+    def solve(self) -> Identified:
+        """The payload from the poses that were added; they are forgotten then.
+
+        Raises:
+            Refused: if no identification was started, a pose is being measured, or the poses do not determine it.
+        """
+        if self._poses is None:
+            raise Refused('no identification was started: ask {"action": "start"} first')
+        if self._window is not None:
+            raise Refused("a measurement is running: ask again when it has been answered")
+        try:
+            result = identify(self._poses)
+        except NotExciting as problem:
+            raise Refused(str(problem)) from None
+        self._poses = None
+        return result
+
+    def _finish(self, answer: dict[str, Any]) -> None:
+        reply, self._reply, self._window, self._taring = self._reply, None, None, False
+        assert reply is not None
+        reply(answer)
+
+
+def described(result: Identified) -> dict[str, Any]:
+    """An identified payload as the query answers it."""
+    return {
+        "mass": result.mass,
+        "com": result.com.tolist(),
+        "force_bias": result.force_bias.tolist(),
+        "torque_bias": result.torque_bias.tolist(),
+        "sigma": {
+            "mass": result.sigma_mass,
+            "com": result.sigma_com.tolist(),
+            "force_bias": result.sigma_force_bias.tolist(),
+            "torque_bias": result.sigma_torque_bias.tolist(),
+        },
+        "residual_rms": result.residual_rms.tolist(),
+        "condition": result.condition,
+        "poses": result.poses,
+    }

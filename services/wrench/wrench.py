@@ -1,0 +1,177 @@
+"""The wrench service: one `wrench/external` per `sensor/ft` sample, and the queries that measure what to subtract."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from services.wrench.compensation import Compensation, external_wrench
+from services.wrench.error_bound import error_bound
+from services.wrench.faults import INVALID, SILENT, SensorWatch
+from services.wrench.identification import Identified
+from services.wrench.lowpass import LowPass
+from services.wrench.measuring import Measuring, described
+from services.wrench.parameters import WrenchParameters
+from services.wrench.storage import Journal, load_payload, save_payload
+from shared.faults import Fault, FaultKind
+from shared.messages import ExternalWrench
+from shared.parameters import Parameters, Refused
+from shared.service import Inputs, Output, Wiring
+from shared.spatial import Array, rotation_matrix
+from shared.topics import (
+    SENSOR_FT,
+    WRENCH_EXTERNAL,
+    WRENCH_IDENTIFY,
+    WRENCH_PARAMETERS,
+    WRENCH_TARE,
+    Query,
+)
+
+
+class Wrench:
+    """Compensates, transports and judges each sample of the force-torque sensor.
+
+    Args:
+        parameters: checked parameters.
+        folder: where the journal and a payload without a name are kept; None keeps nothing.
+
+    Raises:
+        Refused: if the payload file cannot be used.
+    """
+
+    wiring = Wiring(
+        name="wrench",
+        driver=SENSOR_FT,
+        required=(SENSOR_FT,),
+        queries=(WRENCH_TARE, WRENCH_IDENTIFY),
+        parameters=WRENCH_PARAMETERS,
+        # It commands nothing: whoever uses its output waits for that to be healthy long enough.
+        startup=0.0,
+    )
+
+    def __init__(self, parameters: WrenchParameters, folder: Path | None = None) -> None:
+        self.parameters: Parameters = parameters
+        self._configured(parameters, reload=True)
+        self._folder = folder
+        self._journal = Journal(folder / "wrench.json" if folder else None)
+        self._watch = SensorWatch()
+        self._lowpass = LowPass()
+        self._measuring = Measuring()
+        self._trouble = f"no {SENSOR_FT.key} has come in yet"
+        self._session: int | None = None
+        self._last: ExternalWrench | None = None
+
+    def step(self, inputs: Inputs, dt: float) -> list[Output]:
+        """The external wrench of the newest sample; ``valid`` is false while the sensor shows a fault."""
+        reading = inputs[SENSOR_FT]
+        sample = reading.message
+        if reading.header.session != self._session:
+            self._follow(reading.header.session)
+        settings = self._settings
+        raw = np.concatenate((sample.force, sample.torque))
+        rotation = rotation_matrix(sample.orientation)
+        fault = self._watch.update(raw, sample.saturated, dt, settings.stuck_after)
+        wrench = external_wrench(raw, self.compensation, rotation, sample.tool_offset)
+        wrench = self._lowpass.filter(wrench, settings.lowpass_hz, dt)
+        bound = error_bound(
+            self.compensation,
+            rotation,
+            sample.tool_offset,
+            self._noise_bound,
+            self._bias_bound,
+            settings.tool_mass,
+            settings.tool_reach,
+        )
+        self._last = ExternalWrench(wrench[:3], wrench[3:], bound, self.compensation.kind, fault)
+        self._trouble = f"the sensor is {fault}" if fault else ""
+        if fault:
+            self._measuring.abort(self._trouble)
+        elif (measured := self._measuring.add(raw, rotation, dt, self.compensation)) is not None:
+            self._adopt(measured)
+        return [Output(WRENCH_EXTERNAL, self._last, valid=not fault)]
+
+    def brake(self, fault: Fault, dt: float) -> list[Output]:
+        """The last values, marked invalid; nothing before the first sample, since there is no value to give."""
+        self._trouble = fault.text
+        self._measuring.abort(fault.text)
+        self._lowpass.reset()
+        if self._last is None:
+            return []
+        word = SILENT if fault.kind is FaultKind.SILENT else INVALID
+        return [Output(WRENCH_EXTERNAL, replace(self._last, fault=word), valid=False)]
+
+    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
+        """Answer a tare or a step of an identification; what needs an average is answered in a later step."""
+        action = request.get("action")
+        if query == WRENCH_IDENTIFY and action == "solve":
+            result = self._measuring.solve()
+            self._adopt(result.compensation())
+            reply({**described(result), "file": self._saved(result)})
+        elif query == WRENCH_IDENTIFY and action in ("start", "cancel"):
+            self._measuring.restart(action == "start")
+            reply({"poses": 0})
+        elif query == WRENCH_IDENTIFY and action != "add":
+            raise Refused(f"action is {action!r}, wanted start, add, solve or cancel")
+        else:
+            if self._trouble:
+                raise Refused(self._trouble)
+            self._measuring.begin(
+                query == WRENCH_TARE, request.get("duration", 1.0), self._noise_bound, reply
+            )
+
+    def apply(self, parameters: Parameters) -> None:
+        """Take over parameters; another payload file is read at once.
+
+        Raises:
+            Refused: if that file cannot be used; nothing is changed then.
+        """
+        assert isinstance(parameters, WrenchParameters)
+        another = parameters.payload != self._settings.payload
+        self._configured(parameters, reload=another)
+        self.parameters = parameters
+        if another:
+            self._adopt(self.compensation)
+
+    def notes(self) -> str:
+        """Why the next start may have to tare again, if so."""
+        return self._journal.problem
+
+    def _configured(self, parameters: WrenchParameters, reload: bool) -> None:
+        if reload:
+            path = parameters.payload
+            self.compensation = load_payload(Path(path)).compensation() if path else Compensation()
+        self._settings = parameters
+        self._noise_bound: Array = np.array(parameters.noise_bound)
+        self._bias_bound: Array = np.array(parameters.bias_bound)
+        self.max_delay = parameters.max_delay
+
+    def _follow(self, session: int) -> None:
+        """Another run of the robot process: what the journal has for it is taken up, else what is in force is kept."""
+        recalled = self._journal.recall(session, self._settings.payload) if self._session is None else None
+        self._session = session
+        if recalled is not None:
+            self.compensation = recalled
+        elif self.compensation.kind != "none":
+            self._journal.record(session, self._settings.payload, self.compensation)
+
+    def _adopt(self, compensation: Compensation) -> None:
+        self.compensation = compensation
+        self._lowpass.reset()
+        if self._session is not None:
+            self._journal.record(self._session, self._settings.payload, compensation)
+
+    def _saved(self, result: Identified) -> str:
+        """Where the result was written, empty if it could not be: it is in force all the same."""
+        path = self._settings.payload or (self._folder and self._folder / "payload.toml")
+        if not path:
+            return ""
+        try:
+            save_payload(Path(path), result)
+        except Refused as problem:
+            self._journal.problem = str(problem)
+            return ""
+        return str(path)
