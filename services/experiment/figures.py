@@ -19,8 +19,12 @@ from services.experiment.recording import Recording
 from shared import topics
 
 # Okabe and Ito's palette: told apart with any colour vision; line styles carry the same information in grey.
-COLOURS = dict(zip((run.name for run in RUNS), ("#D55E00", "#56B4E9", "#0072B2", "#009E73", "#7F7F7F"), strict=True))
-STYLES = dict(zip((run.name for run in RUNS), ("-", (0, (4, 1.5)), "-", (0, (1.5, 1)), (0, (6, 2, 1, 2))), strict=True))
+COLOURS = dict(
+    zip((run.name for run in RUNS), ("#D55E00", "#56B4E9", "#0072B2", "#009E73", "#7F7F7F"), strict=True)
+)
+STYLES = dict(
+    zip((run.name for run in RUNS), ("-", (0, (4, 1.5)), "-", (0, (1.5, 1)), (0, (6, 2, 1, 2))), strict=True)
+)
 LIMIT_COLOUR = "#B00020"
 INK, FAINT = "#222222", "#9A9A9A"
 WIDTH = 7.4  # [in]
@@ -77,7 +81,9 @@ def draw_comparison(runs: Mapping[str, Run], recordings: Mapping[str, Recording]
     return figure
 
 
-def draw_lowering(runs: Mapping[str, Run], recordings: Mapping[str, Recording], found: Mapping[str, Measures]) -> Figure:
+def draw_lowering(
+    runs: Mapping[str, Run], recordings: Mapping[str, Recording], found: Mapping[str, Measures]
+) -> Figure:
     """The moments after the heavier bag, on a time axis that starts with it: how each law lowers and lands."""
     figure, (load, height) = _panels(2, 4.6)
     longest = max((m.lowering_time for m in found.values() if np.isfinite(m.lowering_time)), default=5.0)
@@ -153,7 +159,9 @@ def _limit(axes: Axes, recording: Recording) -> None:
 
 
 def _events(load: Axes, height: Axes, recording: Recording, found: Measures | None) -> None:
-    marks = [(event.time, event.detail) for event in recording.events if event.name in ("light", "heavy", "unload")]
+    marks = [
+        (event.time, event.detail) for event in recording.events if event.name in ("light", "heavy", "unload")
+    ]
     if found is not None and np.isfinite(found.landing):
         marks.append((found.landing, "on the ground"))
     for time, text in marks:

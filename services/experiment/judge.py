@@ -79,7 +79,9 @@ def _law(run: Run, found: Measures, limit: float) -> list[Claim]:
         Claim(
             run.name,
             "lowers the heavier bag to the ground",
-            f"{1e3 * found.drop:.0f} mm in {found.lowering_time:.1f} s" if found.landing == found.landing else "never",
+            f"{1e3 * found.drop:.0f} mm in {found.lowering_time:.1f} s"
+            if found.landing == found.landing
+            else "never",
             "before it is taken off",
             found.landing == found.landing,
         ),

@@ -59,7 +59,11 @@ def measure(recording: Recording) -> Measures:
     grounded = (bag_time > heavy) & (bag_time < unload) & (bag_height <= GROUND)
     landing = float(bag_time[grounded][0]) if grounded.any() else float("nan")
     way = _within(time, heavy, landing if grounded.any() else unload)
-    landed = _within(bag_time, landing + AFTER_LANDING, unload) if grounded.any() else np.zeros(len(bag_time), bool)
+    landed = (
+        _within(bag_time, landing + AFTER_LANDING, unload)
+        if grounded.any()
+        else np.zeros(len(bag_time), bool)
+    )
 
     wrench = topics.WRENCH_EXTERNAL.key
     force_time, load = recording.time(wrench), -recording.series(wrench, "force")[:, 2]
@@ -115,7 +119,9 @@ def _excess(recording: Recording, until: float) -> float:
 def _speed(time: np.ndarray, values: np.ndarray) -> np.ndarray:
     half = SMOOTHING / 2
     ahead, behind = np.minimum(time + half, time[-1]), np.maximum(time - half, time[0])
-    return (np.interp(ahead, time, values) - np.interp(behind, time, values)) / np.maximum(ahead - behind, 1e-9)
+    return (np.interp(ahead, time, values) - np.interp(behind, time, values)) / np.maximum(
+        ahead - behind, 1e-9
+    )
 
 
 def _within(time: np.ndarray, start: float, end: float) -> np.ndarray:
@@ -125,5 +131,7 @@ def _within(time: np.ndarray, start: float, end: float) -> np.ndarray:
 def _when(recording: Recording, name: str) -> float:
     event = recording.event(name)
     if event is None:
-        raise ValueError(f"run {recording.meta.get('name')}: the recording has no event {name!r}: the run did not finish")
+        raise ValueError(
+            f"run {recording.meta.get('name')}: the recording has no event {name!r}: the run did not finish"
+        )
     return event.time

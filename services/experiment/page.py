@@ -28,7 +28,8 @@ td.number { font-variant-numeric: tabular-nums; }
 tr.first td { border-top: 2px solid #9a9a9a; }
 figure { margin: 1.2rem 0 2rem; } figure img, video { width: 100%; height: auto; }
 figcaption { color: var(--soft); font-size: .9rem; max-width: 46rem; }
-pre, code { font: .85rem/1.5 "DejaVu Sans Mono", monospace; } pre { background: #f7f7f7; padding: .8rem 1rem; overflow-x: auto; }
+pre, code { font: .85rem/1.5 "DejaVu Sans Mono", monospace; }
+pre { background: #f7f7f7; padding: .8rem 1rem; overflow-x: auto; }
 .wide { overflow-x: auto; }
 """
 
@@ -48,7 +49,11 @@ def page(
 ) -> str:
     """The whole page. Figures (SVG files) are embedded; films and CSV files are linked relative to `folder`."""
     failed = sum(not claim.passed for claim in claims)
-    verdict = f"{len(claims)} of {len(claims)} claims hold." if not failed else f"{failed} of {len(claims)} claims fail."
+    verdict = (
+        f"{len(claims)} of {len(claims)} claims hold."
+        if not failed
+        else f"{failed} of {len(claims)} claims fail."
+    )
     parts = [
         f"<h1>{escape(title)}</h1>",
         f'<p class="lead">{escape(lead)}</p>',
@@ -66,8 +71,16 @@ def page(
             for caption, path in films.items()
         ]
     parts += ["<h2>How to read it</h2>", "<ul>", *(f"<li>{escape(note)}</li>" for note in notes), "</ul>"]
-    parts += ["<h2>How it was run</h2>", f"<pre>{escape(chr(10).join(commands))}</pre>", _facts(facts), _settings(settings)]
-    parts += ["<h2>Data</h2>", "<p>Every series of every run as CSV; times in seconds from the start of the protocol.</p>"]
+    parts += [
+        "<h2>How it was run</h2>",
+        f"<pre>{escape(chr(10).join(commands))}</pre>",
+        _facts(facts),
+        _settings(settings),
+    ]
+    parts += [
+        "<h2>Data</h2>",
+        "<p>Every series of every run as CSV; times in seconds from the start of the protocol.</p>",
+    ]
     parts.append(_files(files, folder))
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
@@ -102,7 +115,9 @@ def _figure(path: Path, caption: str) -> str:
 
 
 def _facts(facts: Mapping[str, str]) -> str:
-    rows = "".join(f"<tr><td>{escape(name)}</td><td>{escape(value)}</td></tr>" for name, value in facts.items())
+    rows = "".join(
+        f"<tr><td>{escape(name)}</td><td>{escape(value)}</td></tr>" for name, value in facts.items()
+    )
     return f"<table>{rows}</table>"
 
 
@@ -116,7 +131,11 @@ def _settings(settings: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> str:
     for name in names:
         service, parameter = name.split(".", 1)
         values = [run.get(service, {}).get(parameter, "default") for run in settings.values()]
-        rows.append(f"<tr><td>{escape(name)}</td>" + "".join(f"<td>{escape(_short(value))}</td>" for value in values) + "</tr>")
+        rows.append(
+            f"<tr><td>{escape(name)}</td>"
+            + "".join(f"<td>{escape(_short(value))}</td>" for value in values)
+            + "</tr>"
+        )
     return f'<div class="wide"><table>{head}{"".join(rows)}</table></div>'
 
 
@@ -129,6 +148,8 @@ def _short(value: Any) -> str:
 def _files(files: Mapping[str, Sequence[Path]], folder: Path) -> str:
     rows = []
     for run, paths in files.items():
-        links = " · ".join(f'<a href="{path.relative_to(folder).as_posix()}">{escape(path.name)}</a>' for path in paths)
+        links = " · ".join(
+            f'<a href="{path.relative_to(folder).as_posix()}">{escape(path.name)}</a>' for path in paths
+        )
         rows.append(f'<tr><td class="run">{escape(run)}</td><td>{links}</td></tr>')
     return f"<table>{''.join(rows)}</table>"

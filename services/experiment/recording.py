@@ -63,7 +63,11 @@ class Recording:
 
     def save(self, path: Path) -> None:
         """Writes everything to one compressed .npz file, which `load` reads back."""
-        arrays = {f"{key}|{name}": values for key, columns in self.topics.items() for name, values in columns.items()}
+        arrays = {
+            f"{key}|{name}": values
+            for key, columns in self.topics.items()
+            for name, values in columns.items()
+        }
         events = [dataclasses.asdict(event) for event in self.events]
         arrays["meta"] = np.array(json.dumps({"meta": self.meta, "events": events}))
         np.savez_compressed(path, **arrays)
@@ -86,7 +90,9 @@ class Recording:
         written = []
         for key, columns in self.topics.items():
             path = folder / f"{key.replace('/', '_')}.csv"
-            flat = {name: column for name, values in columns.items() for name, column in _spread(name, values)}
+            flat = {
+                name: column for name, values in columns.items() for name, column in _spread(name, values)
+            }
             with path.open("w", newline="", encoding="utf-8") as file:
                 writer = csv.writer(file)
                 writer.writerow(flat)

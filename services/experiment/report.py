@@ -1,4 +1,4 @@
-"""Turns the recordings of the load experiment into a folder: page, figures, CSV of every series, films, claims as JSON."""
+"""Turns recordings of the load experiment into a folder: page, figures, CSV of every series, film, claims as JSON."""
 
 from __future__ import annotations
 
@@ -61,11 +61,14 @@ def write(folder: Path, films: Sequence[str] = (), commands: Sequence[str] = ())
     index.write_text(
         page(
             "Load experiment",
-            f"The simulated TIAGo holds a pose with force limits of {FORCE_LIMIT[2]:.0f} N. A bag of {LIGHT:.0f} N is hung "
-            f"from its tool, then made heavier than the limit ({HEAVY:.0f} N), then taken off.",
+            f"The simulated TIAGo holds a pose with force limits of {FORCE_LIMIT[2]:.0f} N. A bag of {LIGHT:.0f} N "
+            f"is hung from its tool, then made heavier than the limit ({HEAVY:.0f} N), then taken off.",
             claims,
             drawn,
-            {f"{runs[name].title}: the recorded joint angles, rendered": path for name, path in rendered.items()},
+            {
+                f"{runs[name].title}: the recorded joint angles, rendered": path
+                for name, path in rendered.items()
+            },
             _facts(recordings),
             files,
             folder,
@@ -85,7 +88,10 @@ def write(folder: Path, films: Sequence[str] = (), commands: Sequence[str] = ())
 
 
 def _draw(
-    folder: Path, runs: Mapping[str, Run], recordings: Mapping[str, Recording], measured: Mapping[str, Measures]
+    folder: Path,
+    runs: Mapping[str, Run],
+    recordings: Mapping[str, Recording],
+    measured: Mapping[str, Measures],
 ) -> list[tuple[Path, str]]:
     target = folder / "figures"
     target.mkdir(exist_ok=True)
@@ -106,7 +112,9 @@ def _draw(
     return drawn
 
 
-def _films(folder: Path, names: Sequence[str], recordings: Mapping[str, Recording]) -> tuple[dict[str, Path], list[str]]:
+def _films(
+    folder: Path, names: Sequence[str], recordings: Mapping[str, Recording]
+) -> tuple[dict[str, Path], list[str]]:
     """Renders one film per run in its own process: rendering needs the simulator, the report does not."""
     films: dict[str, Path] = {}
     problems = []
@@ -155,11 +163,12 @@ def film_data(recording: Recording, path: Path) -> None:
 def _notes(measured: Mapping[str, Measures]) -> list[str]:
     bound = max(found.error_bound for found in measured.values())
     return [
-        f"The paper's heavier bag weighs exactly the limit, so noise decides. Here it weighs {HEAVY:.0f} N: the limit, plus "
-        f"twice the wrench service's published error bound ({bound:.2f} N), plus a margin ({unambiguous(bound):.2f} N in all).",
+        f"The paper's heavier bag weighs exactly the limit, so noise decides. Here it weighs {HEAVY:.0f} N, more than "
+        f"the limit plus twice the error bound that the wrench service publishes ({bound:.2f} N) plus a margin "
+        f"({unambiguous(bound):.2f} N in all).",
         "A weight that hangs free cannot be made lighter by moving: while it hangs, the load exceeds the limit by "
-        "definition. What the laws promise is to lower it, and the certified law that the load is back within the limit "
-        "once the ground bears the rest.",
+        "definition. What the laws promise is to lower it, and the certified law that the load is back within the "
+        "limit once the ground bears the rest.",
         "The stiffness law is the paper's baseline at the paper's stiffness; that it sags is the finding, not a fault.",
     ]
 

@@ -120,10 +120,10 @@ class LoadSequence:
             away = 1e3 * _distance(seen)
             self._give_up(now, 60.0, f"the tool is {away:.0f} mm from the pose to hold. {seen.trouble}")
             return []
-        if protocol.HEAVY < unambiguous(seen.error_bound):
+        if unambiguous(seen.error_bound) > protocol.HEAVY:
             raise Failed(
-                f"the error bound of force z is {seen.error_bound:.2f} N: the heavier bag of {protocol.HEAVY:g} N is no "
-                f"longer clearly over the limit ({unambiguous(seen.error_bound):.1f} N needed). Lower sim.ft_noise."
+                f"the error bound of force z is {seen.error_bound:.2f} N: the heavier bag of {protocol.HEAVY:g} N "
+                f"is not clearly over the limit ({unambiguous(seen.error_bound):.1f} N needed): lower sim.ft_noise"
             )
         self.start = now
         self.events.append(Event(now, "start", f"error bound of force z {seen.error_bound:.2f} N"))
@@ -150,7 +150,11 @@ class LoadSequence:
         ask = self._pending
         assert ask is not None
         if self._answer is None:
-            self._give_up(now, ask.duration + ANSWER_WITHIN, f"no answer on {ask.query.key}. Is {ask.query.server} running?")
+            self._give_up(
+                now,
+                ask.duration + ANSWER_WITHIN,
+                f"no answer on {ask.query.key}. Is {ask.query.server} running?",
+            )
             return []
         if not self._answer.get("ok"):
             raise Failed(f"{ask.query.key} was refused: {self._answer.get('error', 'no reason given')}")
@@ -197,13 +201,15 @@ def _distance(seen: Seen) -> float:
 
 def _lacking(seen: Seen, run: Run) -> str:
     if seen.position is None:
-        return "nothing was heard on state/ee. Is the robot process running, on the same router and robot name?"
+        return (
+            "nothing was heard on state/ee. Is the robot process running, on the same router and robot name?"
+        )
     if not seen.wrench_valid:
         return f"wrench/external is not valid. {seen.trouble}"
     if not seen.law:
         return "nothing was heard on control/status. Is the controller running?"
     if seen.law != run.law:
-        return f"the controller runs law {seen.law!r}, this run needs {run.law!r}: start it with --set 'law=\"{run.law}\"'"
+        return f"the controller runs law {seen.law!r}, wanted {run.law!r}: start it with --set 'law=\"{run.law}\"'"
     if seen.mode == "stopped":
         return "the robot is stopped. Release it with: tandem resume"
     return ""

@@ -75,7 +75,7 @@ def test_figures_are_those_of_the_model() -> None:
 def test_a_recording_that_stopped_early_is_refused_by_name() -> None:
     short = recording(run_named("paper-30"))
     short.events = short.events[:1]
-    with pytest.raises(ValueError, match="paper-30.*'heavy'"):
+    with pytest.raises(ValueError, match=r"paper-30.*'heavy'"):
         measure(short)
 
 

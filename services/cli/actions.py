@@ -1,0 +1,137 @@
+"""Commands that act on a running stack: stop, resume, tare, hold, load."""
+
+from __future__ import annotations
+
+import time
+from typing import Annotated
+
+import typer
+
+from services.cli.ask import ask
+from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
+from services.cli.refusal import refuse
+from shared import topics
+from shared.bus import Bus
+from shared.client import Client
+from shared.fields import InvalidField
+from shared.inlet import Inlet
+from shared.messages import ControlTarget, RobotStatus, Stop
+from shared.spatial import quaternion_from_rpy
+
+CONFIRM_WITHIN = 3.0  # [s]
+REPEAT = 0.1  # [s]
+GRAVITY = 9.81  # [m/s2]
+
+
+def stop(
+    reason: Annotated[str, typer.Argument(help="Shown to everybody who asks why.")] = "tandem stop",
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Stop the robot: latched by its gate until `tandem resume`."""
+    with open_bus(robot, connect) as bus:
+        _latch(bus, Stop(engaged=True, reason=reason))
+    typer.echo("stopped; release it with: tandem resume")
+
+
+def resume(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) -> None:
+    """Release a stop, and a controller that latched a sensor failure."""
+    with open_bus(robot, connect) as bus:
+        _latch(bus, Stop(engaged=False, reason="tandem resume"))
+    typer.echo("released")
+
+
+def _latch(bus: Bus, message: Stop) -> None:
+    """Says it until the robot's gate shows it: one message alone could be lost, and a stop must not be."""
+    client = Client(bus)
+    inlet: Inlet[RobotStatus] = client.watch(topics.STATE_ROBOT)
+    deadline = time.monotonic() + CONFIRM_WITHIN
+    while time.monotonic() < deadline:
+        client.publish(topics.STOP, message)
+        time.sleep(REPEAT)
+        shown = inlet.latest
+        if shown is not None and (shown.message.mode == "stopped") == message.engaged:
+            return
+    if inlet.latest is None:
+        refuse(
+            "sent, but no robot answers on state/robot: is the robot process running? See: tandem status", 1
+        )
+    wanted = "stopped" if message.engaged else "released"
+    refuse(
+        f"sent, but the robot does not show {wanted} within {CONFIRM_WITHIN:g} s (it is {inlet.latest.message.mode})",
+        1,
+    )
+
+
+def tare(
+    duration: Annotated[float, typer.Option(min=0.1, help="How long to average [s].")] = 1.0,
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Average the force-torque sensor while the robot is still and subtract that from now on."""
+    with open_bus(robot, connect) as bus:
+        reply = ask(bus, topics.WRENCH_TARE, {"duration": duration}, timeout=duration + 3.0)
+    typer.echo(f"tared over {reply['samples']} samples (sensor axes)")
+    for name, unit, bias, std in (
+        ("force", "N", reply["force"], reply["std"][:3]),
+        ("torque", "Nm", reply["torque"], reply["std"][3:]),
+    ):
+        shown = ", ".join(f"{value:+.3f} ± {spread:.3f}" for value, spread in zip(bias, std, strict=True))
+        typer.echo(f"{name:6} [{shown}] {unit}")
+
+
+def hold(
+    pose: Annotated[list[float], typer.Argument(help="X Y Z [m] ROLL PITCH YAW [rad] of the tool in base.")],
+    force_limit: Annotated[str, typer.Option(help="Largest force [N]: one number, or x,y,z.")] = "25",
+    torque_limit: Annotated[str, typer.Option(help="Largest torque [Nm]: one number, or x,y,z.")] = "10",
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Have the robot hold a pose within limits, until Ctrl-C (the last target then stays in force)."""
+    target = make_target(pose, limits("--force-limit", force_limit), limits("--torque-limit", torque_limit))
+    with open_bus(robot, connect) as bus:
+        client = Client(bus)
+        typer.echo(f"holding {pose} with {force_limit} N, {torque_limit} Nm (Ctrl-C ends this command)")
+        try:
+            while True:
+                client.publish(topics.CONTROL_TARGET, target)
+                time.sleep(REPEAT)
+        except KeyboardInterrupt:
+            typer.echo("the last target stays in force")
+
+
+def load(
+    weight: Annotated[float, typer.Argument(min=0.0, help="Weight of the bag [N]; 0 takes it off.")],
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Hang a bag from the simulated robot's tool."""
+    with open_bus(robot, connect) as bus:
+        ask(bus, topics.SIM_COMMAND, {"command": "load", "mass": weight / GRAVITY})
+    typer.echo(f"a bag of {weight:g} N hangs from the tool" if weight else "the bag is off")
+
+
+def make_target(pose: list[float], force: list[float], torque: list[float]) -> ControlTarget:
+    """The target message; refuses with the reason what no controller may be given."""
+    if len(pose) != 6:
+        refuse(f"a pose has six numbers (x y z roll pitch yaw), got {len(pose)}")
+    try:
+        return ControlTarget(
+            position=pose[:3],
+            orientation=quaternion_from_rpy(*pose[3:]),
+            force_limit=force,
+            torque_limit=torque,
+        )
+    except InvalidField as problem:
+        refuse(str(problem))
+
+
+def limits(option: str, text: str) -> list[float]:
+    """One number for all axes, or three."""
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        refuse(f"{option} {text!r}: wanted a number or three, separated by commas")
+    if len(values) not in (1, 3):
+        refuse(f"{option} {text!r}: wanted one number or three, got {len(values)}")
+    return values * 3 if len(values) == 1 else values

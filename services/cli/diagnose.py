@@ -1,0 +1,75 @@
+"""What is wrong with a running stack, from liveliness tokens and messages alone: one row per service, with a remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+from shared.messages import ControlStatus, Health, RobotStatus
+
+HEALTH_LATE = 1.0  # [s]: health comes every 0.5 s; a service that misses two is lost
+
+
+@dataclass(frozen=True)
+class Heard:
+    """The last health message of a service and its age [s]."""
+
+    health: Health
+    age: float
+
+
+@dataclass(frozen=True)
+class Row:
+    """One service: `state` in one word, what to know about it, and whether that is as it should be."""
+
+    service: str
+    state: str
+    detail: str
+    ok: bool
+    health: Health | None = None
+
+
+def rows(living: Collection[str], heard: Mapping[str, Heard], expected: Collection[str]) -> list[Row]:
+    """One row per service that is expected, living or was heard."""
+    names = [*expected, *sorted((set(living) | set(heard)) - set(expected))]
+    return [_row(name, name in living, heard.get(name), name in expected) for name in names]
+
+
+def _row(name: str, token: bool, heard: Heard | None, expected: bool) -> Row:
+    if heard is not None and heard.age <= HEALTH_LATE and (token or not expected):
+        health = heard.health
+        if health.state == "ok":
+            return Row(name, "ok", health.detail, True, health)
+        return Row(name, health.state, health.detail, health.state == "starting", health)
+    remedy = f"start it again with: tandem start {name}"
+    if token and heard is not None:
+        return Row(name, "lost", f"alive but silent for {heard.age:.1f} s (hung?): {remedy}", False)
+    if token:
+        return Row(name, "silent", f"alive, but no health heard yet; if that lasts, {remedy}", False)
+    return Row(name, "lost", f"its process is gone: {remedy}", False)
+
+
+def never_seen(name: str) -> Row:
+    """A service that this command has no reason to believe was ever started."""
+    return Row(name, "never seen", f"nothing was heard of it; start it with: tandem start {name}", False)
+
+
+def robot_line(status: RobotStatus | None) -> tuple[str, bool]:
+    """The robot's gate in one line, and whether it may move."""
+    if status is None:
+        return "nothing heard on state/robot: is the robot process running?", False
+    kind = "simulated" if status.simulated else "real"
+    line = f"{kind} robot, {status.base_type} base, {status.mode}" + (
+        f": {status.reason}" if status.reason else ""
+    )
+    if status.mode == "stopped":
+        return f"{line}. Release it with: tandem resume", False
+    return line, True
+
+
+def control_line(status: ControlStatus | None) -> tuple[str, bool]:
+    """The controller in one line, and whether it does its work."""
+    if status is None:
+        return "nothing heard on control/status: is the controller running?", False
+    line = f"law {status.law}, {status.state}" + (f": {status.reason}" if status.reason else "")
+    return line, status.state != "braking"

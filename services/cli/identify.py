@@ -1,0 +1,116 @@
+"""`tandem identify`: the payload beyond the sensor, from the forces in several orientations of the tool."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from services.cli.actions import REPEAT, limits, make_target
+from services.cli.ask import ask
+from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
+from services.cli.refusal import refuse
+from shared import topics
+from shared.bus_zenoh import ZenohBus
+from shared.client import Client
+from shared.inlet import Inlet
+from shared.messages import ControlTarget, EndEffector
+from shared.spatial import pose_error, rotation_matrix, rpy_from_rotation
+
+# Tilts about base x and y [rad]: gravity takes ten directions over the tool, none of them in one plane.
+TILTS = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (0.7, 0.7), (0.7, -0.7), (-0.7, 0.7), (-0.7, -0.7), (0, 0))
+STILL = 0.003  # [m/s], [rad/s]
+STILL_FOR = 1.0  # [s]
+AVERAGED = 1.5  # [s] that the wrench service may take for one pose
+REACH_WITHIN = 25.0  # [s] per pose
+ARRIVED = 0.15  # [rad]: the pose itself does not matter, only that the orientations differ
+
+
+def identify(
+    angle: Annotated[float, typer.Option(min=0.1, max=1.2, help="How far to tilt the tool [rad].")] = 0.6,
+    force_limit: Annotated[str, typer.Option(help="Force limit on the way [N].")] = "25",
+    torque_limit: Annotated[str, typer.Option(help="Torque limit on the way [Nm].")] = "10",
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before moving.")] = False,
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Identify mass, centre of mass and sensor biases: tilts the tool about its present position, ten poses."""
+    force, torque = limits("--force-limit", force_limit), limits("--torque-limit", torque_limit)
+    with open_bus(robot, connect) as bus:
+        client = Client(bus)
+        inlet = client.watch(topics.STATE_EE)
+        start = _first(inlet)
+        roll, pitch, yaw = rpy_from_rotation(rotation_matrix(start.orientation))
+        typer.echo(
+            f"The tool stays near {np.round(start.position, 2).tolist()} m and tilts up to {angle:g} rad."
+        )
+        typer.echo("Nothing may touch it, and nothing but its payload may hang from it.")
+        if not yes:
+            typer.confirm("Move now?", abort=True)
+        ask(bus, topics.WRENCH_IDENTIFY, {"action": "start"})
+        try:
+            for number, (about_x, about_y) in enumerate(TILTS, 1):
+                pose = [*start.position.tolist(), roll + about_x * angle, pitch + about_y * angle, yaw]
+                typer.echo(f"pose {number} of {len(TILTS)} ", nl=False)
+                _go(client, inlet, make_target(pose, force, torque))
+                ask(bus, topics.WRENCH_IDENTIFY, {"action": "add"}, timeout=AVERAGED + 3.0)
+                typer.echo("taken")
+            reply = ask(bus, topics.WRENCH_IDENTIFY, {"action": "solve"})
+        except (KeyboardInterrupt, typer.Exit):
+            _cancel(bus)
+            raise
+    _show(reply)
+
+
+def _first(inlet: Inlet[EndEffector]) -> EndEffector:
+    deadline = time.monotonic() + 2.0
+    while time.monotonic() < deadline:
+        latest = inlet.latest
+        if latest is not None:
+            return latest.message
+        time.sleep(0.02)
+    refuse("nothing was heard on state/ee: is the robot process running? See: tandem status", 1)
+
+
+def _go(client: Client, inlet: Inlet[EndEffector], target: ControlTarget) -> None:
+    """Repeats the target until the tool is near it and has been still for a while."""
+    deadline = time.monotonic() + REACH_WITHIN
+    still_since = None
+    while time.monotonic() < deadline:
+        client.publish(topics.CONTROL_TARGET, target)
+        time.sleep(REPEAT)
+        assert inlet.latest is not None
+        tool = inlet.latest.message
+        error = pose_error(tool.position, tool.orientation, target.position, target.orientation)
+        moving = max(np.linalg.norm(tool.linear), np.linalg.norm(tool.angular)) > STILL
+        if moving or np.linalg.norm(error[3:]) > ARRIVED:
+            still_since = None
+        elif still_since is None:
+            still_since = time.monotonic()
+        elif time.monotonic() - still_since > STILL_FOR:
+            return
+    away = math.degrees(float(np.linalg.norm(error[3:])))
+    refuse(
+        f"not reached within {REACH_WITHIN:g} s ({away:.0f} degrees away): tilt less with --angle; see: tandem status",
+        1,
+    )
+
+
+def _cancel(bus: ZenohBus) -> None:
+    typer.echo("cancelled: the present compensation stays")
+    ask(bus, topics.WRENCH_IDENTIFY, {"action": "cancel"})
+
+
+def _show(reply: dict) -> None:
+    sigma = reply["sigma"]
+    spread = sigma if isinstance(sigma, list) else [sigma] * 10
+    com = ", ".join(f"{1e3 * value:+.1f}" for value in reply["com"])
+    typer.echo(f"mass            {reply['mass']:.4f} ± {spread[0]:.4f} kg")
+    typer.echo(f"centre of mass  [{com}] mm from the sensor, sensor axes")
+    typer.echo(f"force bias      [{', '.join(f'{value:+.3f}' for value in reply['force_bias'])}] N")
+    typer.echo(f"torque bias     [{', '.join(f'{value:+.4f}' for value in reply['torque_bias'])}] Nm")
+    typer.echo(f"residual (rms)  [{', '.join(f'{value:.3f}' for value in reply['residual_rms'])}] N, Nm")
+    typer.echo(f"condition       {reply['condition']:.1f}")

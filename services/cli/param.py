@@ -1,0 +1,105 @@
+"""`tandem param get|set`: parameters of running services."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from services.cli.ask import ask
+from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
+from services.cli.refusal import refuse
+from shared.topics import PARAMETER_QUERIES, Query
+
+app = typer.Typer(help="Parameters of running services.")
+QUERIES = {query.server: query for query in PARAMETER_QUERIES}
+
+
+@app.command("get")
+def get(
+    name: Annotated[str, typer.Argument(help="SERVICE or SERVICE.NAME, such as controller.law.")],
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Show parameters: value, unit, allowed range, meaning. A single one prints its value alone."""
+    service, _, wanted = name.partition(".")
+    query = _query(service)
+    with open_bus(robot, connect) as bus:
+        table = ask(bus, query, {})["parameters"]
+    if not wanted:
+        Console().print(_table(table))
+        return
+    if wanted not in table:
+        refuse(f"{name}: {service} has no such parameter; it has {', '.join(table)}")
+    typer.echo(shown(table[wanted]["value"]))
+
+
+@app.command("set")
+def set_(
+    settings: Annotated[
+        list[str], typer.Argument(help="SERVICE.NAME=VALUE in TOML, e.g. controller.max_linear=0.1")
+    ],
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Change parameters of a running service, all of one service or none; out of range is refused."""
+    changes: dict[str, dict[str, Any]] = {}
+    for setting in settings:
+        name, equals, text = setting.partition("=")
+        service, dot, parameter = name.strip().partition(".")
+        if not (equals and dot):
+            refuse(f"{setting!r}: wanted SERVICE.NAME=VALUE, such as controller.max_linear=0.1")
+        _query(service)
+        changes.setdefault(service, {})[parameter] = value_of(text.strip())
+    with open_bus(robot, connect) as bus:
+        for service, values in changes.items():
+            table = ask(bus, QUERIES[service], {"set": values})["parameters"]
+            for parameter in values:
+                typer.echo(f"{service}.{parameter} = {shown(table[parameter]['value'])}")
+
+
+def value_of(text: str) -> Any:
+    """A value in TOML syntax; a bare word is text, so that law=paper works without quotes inside quotes."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        if text.replace("_", "").replace("-", "").isalpha():
+            return text
+        refuse(f'{text!r} is no TOML value: wanted a number, "text", true, false or [a, b, c]')
+
+
+def shown(value: Any) -> str:
+    """A value as it can be typed in again."""
+    if isinstance(value, list):
+        return f"[{', '.join(shown(element) for element in value)}]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _query(service: str) -> Query:
+    if service not in QUERIES:
+        refuse(
+            f"{service!r} has no parameters that can be changed while it runs; choose from {', '.join(QUERIES)}"
+        )
+    return QUERIES[service]
+
+
+def _table(parameters: dict[str, dict[str, Any]]) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in ("parameter", "value", "unit", "allowed", "meaning"):
+        table.add_column(name, overflow="fold")
+    for name, row in parameters.items():
+        table.add_row(name, shown(row["value"]), row["unit"], _range(row["min"], row["max"]), row["doc"])
+    return table
+
+
+def _range(low: float | None, high: float | None) -> str:
+    if low is None and high is None:
+        return ""
+    if high is None:
+        return f"≥ {low:g}"
+    return f"≤ {high:g}" if low is None else f"{low:g} … {high:g}"

@@ -1,0 +1,124 @@
+"""Which processes make a stack, with which options, and where a running stack's options are remembered."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import tempfile
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from services.cli.refusal import refuse
+
+ROUTER = "router"
+SERVICES = ("sim", "wrench", "controller")  # in order of start; any order works
+DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A stack to start: one router and the services of one robot on it."""
+
+    robot: str
+    endpoint: str
+    config: Path | None = None
+    settings: dict[str, list[str]] = field(default_factory=dict)
+
+    def router_arguments(self) -> list[str]:
+        """Command line of the router."""
+        return ["--listen", self.endpoint]
+
+    def arguments(self, service: str) -> list[str]:
+        """Command line of one service; KeyError if it is no part of a stack."""
+        if service not in SERVICES:
+            raise KeyError(service)
+        arguments = ["--robot", self.robot, "--connect", self.endpoint]
+        if self.config:
+            arguments += ["--config", str(self.config.resolve())]
+        for setting in self.settings.get(service, []):
+            arguments += ["--set", setting]
+        return arguments
+
+    def remember(self) -> None:
+        """Writes the options down, so that `tandem start` and `tandem status` know them."""
+        path = _memory(self.robot, self.endpoint)
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        stored = {"config": str(self.config.resolve()) if self.config else None, "settings": self.settings}
+        path.write_text(json.dumps(stored), encoding="utf-8")
+
+    def forget(self) -> None:
+        """Removes what `remember` wrote."""
+        _memory(self.robot, self.endpoint).unlink(missing_ok=True)
+
+
+def remembered(robot: str, endpoint: str) -> Plan | None:
+    """The plan of the stack that runs there, if `tandem up` or `tandem run` started it."""
+    try:
+        stored = json.loads(_memory(robot, endpoint).read_text(encoding="utf-8"))
+    except (FileNotFoundError, json.JSONDecodeError):
+        return None
+    return Plan(robot, endpoint, Path(stored["config"]) if stored["config"] else None, stored["settings"])
+
+
+def parse_settings(settings: Sequence[str]) -> dict[str, list[str]]:
+    """`controller.law="paper"` and the like -> service -> `law="paper"`; refuses what names no service of the stack."""
+    table: dict[str, list[str]] = {}
+    for setting in settings:
+        name, equals, value = setting.partition("=")
+        service, dot, key = name.strip().partition(".")
+        if not (equals and dot and key):
+            refuse(f"--set {setting!r}: wanted SERVICE.NAME=VALUE, such as --set 'controller.law=\"paper\"'")
+        if service not in SERVICES:
+            refuse(
+                f"--set {setting!r}: {service!r} is no service of the stack; choose from {', '.join(SERVICES)}"
+            )
+        table.setdefault(service, []).append(f"{key}={value.strip()}")
+    return table
+
+
+def check_config(path: Path | None) -> Path | None:
+    """The file, if it exists and is TOML; its contents are checked by the services themselves."""
+    if path is None:
+        return None
+    try:
+        tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as problem:
+        refuse(f"--config {path}: {problem.strerror or problem}")
+    except tomllib.TOMLDecodeError as problem:
+        refuse(f"--config {path}: {problem}")
+    return path
+
+
+def to_toml(tables: dict[str, dict[str, Any]]) -> str:
+    """Parameters as a configuration file, one table per service (numbers, texts, booleans and lists of them)."""
+    lines = []
+    for service, values in tables.items():
+        lines += [f"[{service}]", *(f"{name} = {json.dumps(value)}" for name, value in values.items()), ""]
+    return "\n".join(lines)
+
+
+def check_port(endpoint: str, option: str = "--router") -> None:
+    """Refuses an endpoint that is no loopback TCP address or whose port is taken."""
+    protocol, _, address = endpoint.partition("/")
+    host, _, port = address.rpartition(":")
+    if protocol != "tcp" or not port.isdigit() or not 0 < int(port) < 65536:
+        refuse(f"{option} {endpoint}: wanted tcp/HOST:PORT, such as {DEFAULT_ENDPOINT}")
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host, int(port)))
+        except OSError as problem:
+            refuse(
+                f"port {port} on {host} cannot be used ({problem.strerror}): is another tandem running there? "
+                f"Choose another one: {option} tcp/127.0.0.1:{int(port) + 1}",
+                status=1,
+            )
+
+
+def _memory(robot: str, endpoint: str) -> Path:
+    place = "".join(letter if letter.isalnum() else "-" for letter in f"{robot} {endpoint}")
+    return Path(tempfile.gettempdir()) / f"tandem-{os.getuid()}" / f"{place}.json"

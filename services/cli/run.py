@@ -1,0 +1,161 @@
+"""`tandem run load`: a stack per run, the experiment beside it, the report of all runs, everything down again."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+
+from services.cli.children import Child, Children, command
+from services.cli.claims import claims_table
+from services.cli.lane import Lane
+from services.cli.options import DEFAULT_ROBOT, Robot
+from services.cli.plan import DEFAULT_ENDPOINT, ROUTER, Plan, check_port, to_toml
+from services.cli.progress import Progress
+from services.cli.refusal import refuse
+from services.cli.up import Router, stop_event
+
+POLL = 0.1  # [s]
+INTERRUPTED = 130
+
+app = typer.Typer(help="Play an experiment with real processes and write its report.")
+
+
+@app.callback()
+def experiments() -> None:
+    """Play an experiment with real processes and write its report."""
+
+
+@app.command()
+def load(
+    runs: Annotated[str, typer.Option(help="Names of runs, separated by commas; all if left out.")] = "",
+    out: Annotated[Path | None, typer.Option(help="Folder of the report; default runs/load-<date>.")] = None,
+    parallel: Annotated[int, typer.Option(min=1, max=5, help="Stacks that run side by side.")] = 2,
+    film: Annotated[bool, typer.Option(help="Render a film of the scene.")] = True,
+    robot: Robot = DEFAULT_ROBOT,
+    router: Router = DEFAULT_ENDPOINT,
+) -> None:
+    """The paper's load experiment under every law; exit status 1 when a claim fails."""
+    protocol = _protocol()
+    chosen = _choose(protocol["runs"], runs)
+    check_port(router)
+    folder = out or Path("runs") / f"load-{time.strftime('%Y%m%d-%H%M%S')}"
+    folder.mkdir(parents=True, exist_ok=True)
+    stop = stop_event()
+    console = Console()
+    console.print(
+        f"load experiment: {len(chosen)} runs of {protocol['duration']:.0f} s in real time, {parallel} at a time"
+    )
+    with Children() as children:
+        _router(children, router, folder)
+        failures = _play(chosen, protocol["duration"], folder, children, stop, (robot, router), parallel)
+        children.stop()
+        if stop.is_set():
+            refuse(f"interrupted; what was recorded lies in {folder}", INTERRUPTED)
+        for line in failures:
+            console.print(f"failed: {line}", style="red", highlight=False)
+        console.print("judging, drawing" + (", rendering the film" if film else ""))
+        report = children.start(
+            Child("experiment", _report_arguments(folder, protocol["film"] if film else "", chosen))
+        )
+        while report.status is None and not stop.wait(POLL):
+            pass
+    _conclude(console, folder, report, failures)
+
+
+def _play(
+    chosen: list[dict[str, Any]],
+    duration: float,
+    folder: Path,
+    children: Children,
+    stop: threading.Event,
+    where: tuple[str, str],
+    parallel: int,
+) -> list[str]:
+    """Plays all runs, `parallel` at a time; returns a line for each that did not complete."""
+    robot, router = where
+    waiting = list(chosen)
+    lanes: dict[int, Lane] = {}
+    failures = []
+    with Progress([run["title"] for run in chosen], duration) as progress:
+        while (waiting or lanes) and not stop.wait(POLL):
+            for number, lane in list(lanes.items()):
+                progress.show(lane.title, lane.phase, lane.elapsed, lane.trouble())
+                if lane.finished():
+                    failure = lane.close()
+                    progress.end(lane.title, failure)
+                    failures += [failure] if failure else []
+                    del lanes[number]
+            for number in range(parallel):
+                if waiting and number not in lanes:
+                    run = waiting.pop(0)
+                    name = robot if number == 0 else f"{robot}-{number + 1}"
+                    target = folder / run["name"]
+                    target.mkdir(exist_ok=True)
+                    config = target / "config.toml"
+                    config.write_text(to_toml(run["settings"]), encoding="utf-8")
+                    lanes[number] = Lane(run, Plan(name, router, config), target, children)
+        for lane in lanes.values():
+            lane.close()
+    return failures
+
+
+def _router(children: Children, endpoint: str, folder: Path) -> None:
+    router = children.start(Child(ROUTER, ["--listen", endpoint], folder / f"{ROUTER}.log"))
+    deadline = time.monotonic() + 0.3
+    while time.monotonic() < deadline:
+        if router.status is not None:
+            refuse(f"{ROUTER} {router.how_it_ended()}", 1)
+        time.sleep(0.02)
+
+
+def _protocol() -> dict[str, Any]:
+    done = subprocess.run(command("experiment", ["plan"]), capture_output=True, text=True, check=False)
+    if done.returncode:
+        refuse(
+            f"services.experiment: {(done.stderr.strip().splitlines() or ['ended without a word'])[-1]}", 1
+        )
+    return json.loads(done.stdout)
+
+
+def _choose(runs: list[dict[str, Any]], names: str) -> list[dict[str, Any]]:
+    known = {run["name"]: run for run in runs}
+    wanted = [name.strip() for name in names.split(",") if name.strip()] or list(known)
+    for name in wanted:
+        if name not in known:
+            refuse(f"--runs: there is no run {name!r}; choose from {', '.join(known)}")
+    return [known[name] for name in dict.fromkeys(wanted)]
+
+
+def _report_arguments(folder: Path, film: str, chosen: list[dict[str, Any]]) -> list[str]:
+    arguments = ["report", str(folder), "--ran", f"tandem {' '.join(sys.argv[1:])}"]
+    for run in chosen:
+        arguments += ["--ran", f"{run['name']}: tandem up --config {folder.name}/{run['name']}/config.toml"]
+    return arguments + (["--film", film] if film else [])
+
+
+def _conclude(console: Console, folder: Path, report: Child, failures: list[str]) -> None:
+    claims = folder / "claims.json"
+    if not claims.exists():
+        refuse(f"no report: {report.last_line or 'it said nothing'}; recordings and logs are in {folder}", 1)
+    found = json.loads(claims.read_text(encoding="utf-8"))
+    console.print(claims_table(found["claims"]))
+    for problem in found["problems"]:
+        console.print(f"note: {problem}", highlight=False)
+    failed = sum(not claim["passed"] for claim in found["claims"]) + len(failures)
+    verdict = (
+        f"{failed} of {len(found['claims'])} claims fail"
+        if failed
+        else f"all {len(found['claims'])} claims hold"
+    )
+    console.print(verdict, style="bold red" if failed else "bold green", highlight=False)
+    console.print(f"report: {folder / 'index.html'}", highlight=False, soft_wrap=True)
+    if failed:
+        raise typer.Exit(1)

@@ -1,0 +1,62 @@
+"""`tandem status`: every service alive or lost, what is wrong and what to do about it."""
+
+from __future__ import annotations
+
+import time
+
+import typer
+from rich.console import Console
+
+from services.cli import diagnose
+from services.cli.diagnose import control_line, robot_line
+from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
+from services.cli.plan import SERVICES, remembered
+from services.cli.view import services_table, summary
+from services.cli.watch import Watch
+from shared import topics
+
+LISTEN = 1.2  # [s]: two health periods and a bit; less when everybody has spoken
+
+
+def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) -> None:
+    """Show every service once; exit status 1 if something is wrong."""
+    known = remembered(robot, connect)
+    console = Console()
+    with open_bus(robot, connect) as bus:
+        watch = Watch(bus)
+        deadline = time.monotonic() + LISTEN
+        while time.monotonic() < deadline and not _complete(watch):
+            time.sleep(0.05)
+        living = watch.living()
+        heard = watch.health()
+        rows = diagnose.rows(living, heard, SERVICES)
+        if known is None:
+            rows = [
+                row if row.service in living | set(heard) else diagnose.never_seen(row.service)
+                for row in rows
+            ]
+        console.print(f"robot {robot} on {connect}", style="bold", highlight=False)
+        console.print(services_table(rows, {}))
+        for line in summary(watch):
+            console.print(line)
+        robot_text, robot_ok = robot_line(watch.message(topics.STATE_ROBOT))
+        control_text, control_ok = control_line(watch.message(topics.CONTROL_STATUS))
+    wrong = [f"{row.service} is {row.state}: {row.detail}" for row in rows if not row.ok]
+    if not wrong:
+        wrong += [text for text, ok in ((robot_text, robot_ok), (control_text, control_ok)) if not ok]
+    console.print()
+    if not wrong:
+        console.print("everything works", style="green")
+        return
+    for line in wrong:
+        console.print(f"wrong: {line}", style="red", highlight=False)
+    raise typer.Exit(1)
+
+
+def _complete(watch: Watch) -> bool:
+    """Whether one message of everything that the view shows has come."""
+    heard = watch.health()
+    spoken = all(service in heard for service in SERVICES)
+    return spoken and all(
+        watch.message(topic) is not None for topic in (topics.STATE_ROBOT, topics.CONTROL_STATUS)
+    )

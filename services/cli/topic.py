@@ -1,0 +1,135 @@
+"""`tandem topic list|echo|hz`: what is said on the bus."""
+
+from __future__ import annotations
+
+import json
+import queue
+import time
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.live import Live
+from rich.table import Table
+
+from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
+from services.cli.refusal import refuse
+from services.cli.watch import Watch
+from shared import topics
+from shared.clock import SteadyClock
+from shared.inlet import Inlet, Received
+from shared.topics import topic_by_key
+
+app = typer.Typer(help="What is said on the bus.")
+Key = Annotated[str, typer.Argument(help="Key without the robot, such as wrench/external.")]
+
+
+@app.command("list")
+def list_topics() -> None:
+    """Every topic of the contract: key, who publishes it, nominal rate, fields with units."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in ("key", "publisher", "rate [Hz]", "fields"):
+        table.add_column(name, overflow="fold")
+    for topic in (*topics.TOPICS, topics.health_topic("<service>")):
+        fields = ", ".join(
+            f"{name} [{kind.unit}]" if kind.unit else name for name, kind, _ in topic.message.kinds()
+        )
+        rate = f"{topic.rate:g}" if topic.rate else "on change"
+        table.add_row(topic.key, topic.publisher, rate, fields)
+    Console().print(table)
+
+
+@app.command()
+def echo(
+    key: Key,
+    count: Annotated[
+        int, typer.Option(min=0, help="End after this many messages; 0 = go on until Ctrl-C.")
+    ] = 0,
+    within: Annotated[float, typer.Option(help="Give up when nothing is heard for this long [s].")] = 5.0,
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Print the messages of one topic, a JSON object per line."""
+    topic = topic_by_key(key)
+    if topic is None:
+        refuse(f"{key!r} is no topic of the contract; see: tandem topic list")
+    heard: queue.SimpleQueue[Received] = queue.SimpleQueue()
+    inlet: Inlet = Inlet(topic, SteadyClock(), heard.put)
+    printed = 0
+    with open_bus(robot, connect) as bus:
+        bus.subscribe(topic.key, inlet.offer)
+        try:
+            while not count or printed < count:
+                received = heard.get(timeout=within)
+                header = {"seq": received.header.seq, "valid": received.header.valid}
+                typer.echo(json.dumps(header | _readable(received.message.to_plain())))
+                printed += 1
+        except queue.Empty:
+            rejected = f"; {inlet.rejected} rejected, last: {inlet.last_rejection}" if inlet.rejected else ""
+            refuse(f"nothing on {robot}/{key} for {within:g} s (is {topic.publisher} running?){rejected}", 1)
+        except KeyboardInterrupt:
+            return
+
+
+@app.command()
+def hz(
+    key: Annotated[str, typer.Argument(help="One key; all of them if left out.")] = "",
+    seconds: Annotated[float, typer.Option(min=0.5, help="How long to listen [s].")] = 2.0,
+    watch: Annotated[bool, typer.Option("--watch", help="Go on until Ctrl-C.")] = False,
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Measured rate, age and rejected messages of every topic that is heard."""
+    if key and topic_by_key(key) is None:
+        refuse(f"{key!r} is no topic of the contract; see: tandem topic list")
+    with open_bus(robot, connect) as bus:
+        listening = Watch(bus)
+        if watch:
+            try:
+                with Live(refresh_per_second=4) as live:
+                    while True:
+                        time.sleep(0.25)
+                        live.update(_rates(listening, key))
+            except KeyboardInterrupt:
+                return
+        time.sleep(seconds)
+        table = _rates(listening, key)
+        if not table.row_count:
+            refuse(f"nothing heard on {robot}/{key or '**'} for {seconds:g} s: is a stack running there?", 1)
+        Console().print(table)
+
+
+def _rates(watch: Watch, only: str) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("key")
+    for name in ("measured [Hz]", "nominal [Hz]", "age [ms]", "rejected"):
+        table.add_column(name, justify="right")
+    table.add_column("publisher")
+    now = SteadyClock().now_ns()
+    for key, inlet in watch.inlets.items():
+        if (only and key != only) or (inlet.latest is None and not inlet.rejected):
+            continue
+        nominal = f"{inlet.topic.rate:g}" if inlet.topic.rate else "on change"
+        rejected = inlet.rejected + inlet.out_of_order + inlet.second_session
+        table.add_row(
+            key,
+            f"{inlet.rate(now):.1f}",
+            nominal,
+            f"{1e3 * inlet.age(now):.0f}",
+            str(rejected),
+            inlet.topic.publisher,
+        )
+    return table
+
+
+def _readable(value: Any) -> Any:
+    """Floats to six significant digits; images by their size."""
+    if isinstance(value, float):
+        return float(f"{value:.6g}")
+    if isinstance(value, bytes):
+        return f"{len(value)} bytes"
+    if isinstance(value, list):
+        return [_readable(element) for element in value]
+    if isinstance(value, dict):
+        return {name: _readable(element) for name, element in value.items()}
+    return value

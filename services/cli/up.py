@@ -1,0 +1,157 @@
+"""`tandem up` and `tandem start`: a stack, or one service of it, in the foreground."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.live import Live
+
+from services.cli import diagnose
+from services.cli.children import Child, Children, command
+from services.cli.diagnose import Row
+from services.cli.options import DEFAULT_ROBOT, Connect, Robot, open_bus
+from services.cli.plan import (
+    DEFAULT_ENDPOINT,
+    ROUTER,
+    SERVICES,
+    Plan,
+    check_config,
+    check_port,
+    parse_settings,
+    remembered,
+)
+from services.cli.refusal import refuse
+from services.cli.stack import Stack
+from services.cli.view import stack_view
+from services.cli.watch import Watch
+
+REFRESH = 0.25  # [s]
+
+Router = Annotated[
+    str,
+    typer.Option(
+        "--router", envvar="TANDEM_CONNECT", help="Endpoint that the stack's own router listens on."
+    ),
+]
+Config = Annotated[
+    Path | None, typer.Option("--config", envvar="TANDEM_CONFIG", help="TOML file with a table per service.")
+]
+Set = Annotated[
+    list[str],
+    typer.Option("--set", help="SERVICE.NAME=VALUE in TOML, e.g. 'controller.law=\"paper\"'; repeatable."),
+]
+
+
+def up(
+    robot: Robot = DEFAULT_ROBOT,
+    router: Router = DEFAULT_ENDPOINT,
+    config: Config = None,
+    settings: Set = [],  # noqa: B006 - typer copies it
+) -> None:
+    """Start a stack (router, simulated robot, wrench, controller) and show its state until Ctrl-C."""
+    plan = Plan(robot, router, check_config(config), parse_settings(settings))
+    check_port(router)
+    stop = stop_event()
+    with Children() as children:
+        stack = Stack(plan, children)
+        try:
+            stack.wait_for_router()
+            with open_bus(robot, router, within=10.0) as bus:
+                _show(stack, Watch(bus), stop)
+        finally:
+            plan.forget()
+        hard = children.stop()
+    typer.echo(
+        "all processes ended" if not hard else f"ended badly: {', '.join(_bad(child) for child in hard)}"
+    )
+    if hard:
+        raise typer.Exit(1)
+
+
+def start(
+    service: Annotated[str, typer.Argument(help="router, sim, wrench or controller")],
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+    config: Config = None,
+    settings: Annotated[list[str], typer.Option("--set", help="NAME=VALUE in TOML; repeatable.")] = [],  # noqa: B006
+) -> None:
+    """Run one service in the foreground with the options of the stack that it belongs to."""
+    if service not in (ROUTER, *SERVICES):
+        refuse(f"{service!r} is no service of the stack; choose from {', '.join((ROUTER, *SERVICES))}")
+    known = remembered(robot, connect)
+    plan = Plan(robot, connect, check_config(config), {service: settings})
+    if known is not None:
+        plan = Plan(
+            robot,
+            connect,
+            plan.config or known.config,
+            {service: [*known.settings.get(service, []), *settings]},
+        )
+    arguments = plan.router_arguments() if service == ROUTER else plan.arguments(service)
+    typer.echo(f"starting: python -m services.{service} {' '.join(arguments)}", err=True)
+    sys.stdout.flush()
+    os.execv(sys.executable, command(service, arguments))
+
+
+def stop_event() -> threading.Event:
+    """An event that Ctrl-C and SIGTERM set."""
+    event = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: event.set())
+    return event
+
+
+def _show(stack: Stack, watch: Watch, stop: threading.Event) -> None:
+    console = Console()
+    head = f"tandem: robot {stack.plan.robot} on {stack.plan.endpoint} (Ctrl-C stops everything)"
+    if not console.is_terminal:
+        _log(stack, watch, stop, head)
+        return
+    with Live(console=console, refresh_per_second=1 / REFRESH, transient=False) as live:
+        while not stop.wait(REFRESH):
+            stack.refuse_if_misconfigured()
+            live.update(stack_view(_rows(stack, watch), watch, stack.processes, head))
+
+
+def _log(stack: Stack, watch: Watch, stop: threading.Event, head: str) -> None:
+    """Without a terminal: one line per change."""
+    typer.echo(head)
+    shown: dict[str, str] = {}
+    while not stop.wait(REFRESH):
+        stack.refuse_if_misconfigured()
+        for row in _rows(stack, watch):
+            line = f"{row.service}: {row.state}" + (f": {row.detail}" if row.detail else "")
+            if row.service not in shown or shown[row.service].split(":")[1] != line.split(":")[1]:
+                typer.echo(f"{time.strftime('%H:%M:%S')} {line}")
+            shown[row.service] = line
+
+
+def _rows(stack: Stack, watch: Watch) -> list[Row]:
+    router = stack.processes.get(ROUTER)
+    rows = diagnose.rows(watch.living(), watch.health(), SERVICES)
+    rows = [_during_start(row, stack.processes.get(row.service)) for row in rows]
+    if router is not None:
+        up = router.status is None
+        remedy = "" if up else f"{router.how_it_ended()}; start it again with: tandem start {ROUTER}"
+        rows.insert(0, Row(ROUTER, "ok" if up else "lost", remedy, up))
+    return rows
+
+
+def _during_start(row: Row, child: Child | None) -> Row:
+    """A process that has just been started is not lost because it has not spoken yet."""
+    young = child is not None and child.status is None and time.monotonic() - child.started < 10.0
+    if young and row.health is None and row.state in ("lost", "silent"):
+        return Row(row.service, "starting", "not heard yet", True)
+    return row
+
+
+def _bad(child: Child) -> str:
+    return f"{child.name} (status {child.status})"

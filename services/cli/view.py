@@ -1,0 +1,98 @@
+"""What `tandem up` and `tandem status` show of a stack."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from services.cli.children import Child
+from services.cli.diagnose import Row, control_line, robot_line
+from services.cli.watch import Watch
+from shared import topics
+from shared.messages import ControlStatus, ExternalWrench
+from shared.topics import Topic
+
+SHOWN_RATES: tuple[Topic, ...] = (
+    topics.SENSOR_FT,
+    topics.WRENCH_EXTERNAL,
+    topics.COMMAND_EE_TWIST,
+    topics.STATE_EE,
+    topics.CONTROL_TARGET,
+)
+
+
+def services_table(rows: list[Row], processes: Mapping[str, Child]) -> Table:
+    """One line per service: process, health, loop, and what to know."""
+    table = Table(box=None, pad_edge=False, header_style="bold", expand=False)
+    table.add_column("service")
+    if processes:
+        table.add_column("process")
+    for name in ("state", "loop", "p50", "p99", "overruns"):
+        table.add_column(name, justify="left" if name == "state" else "right")
+    table.add_column("", overflow="fold")
+    for row in rows:
+        child = processes.get(row.service)
+        cells = [Text(row.service, style="bold")]
+        if processes:
+            cells.append(_process(child))
+        health = row.health
+        cells.append(
+            Text(row.state, style="green" if row.ok and row.state == "ok" else "yellow" if row.ok else "red")
+        )
+        if health is None:
+            cells += [Text("")] * 4
+        else:
+            cells += [
+                Text(f"{health.loop_hz:.0f} Hz"),
+                Text(f"{health.loop_p50_us:.0f} µs"),
+                Text(f"{health.loop_p99_us:.0f} µs"),
+                Text(str(health.overruns)),
+            ]
+        ended = child.how_it_ended() if child is not None and child.status is not None else ""
+        detail = "; ".join(part for part in (ended if not row.ok else "", row.detail) if part)
+        cells.append(Text(detail, style="" if row.ok else "red"))
+        table.add_row(*cells)
+    return table
+
+
+def _process(child: Child | None) -> Text:
+    if child is None:
+        return Text("not ours", style="dim")
+    if child.status is None:
+        return Text(f"pid {child.pid}", style="dim")
+    return Text(f"ended ({child.status})", style="bold red")
+
+
+def summary(watch: Watch) -> list[Text]:
+    """Robot, controller, load and rates, a line each."""
+    robot, robot_ok = robot_line(watch.message(topics.STATE_ROBOT))
+    control, control_ok = control_line(watch.message(topics.CONTROL_STATUS))
+    lines = [
+        Text.assemble(("robot       ", "bold"), (robot, "" if robot_ok else "red")),
+        Text.assemble(("controller  ", "bold"), (control, "" if control_ok else "red")),
+    ]
+    wrench, status = watch.message(topics.WRENCH_EXTERNAL, 0.2), watch.message(topics.CONTROL_STATUS)
+    if wrench is not None:
+        lines.append(Text.assemble(("load        ", "bold"), _load(wrench, status)))
+    rates = ", ".join(f"{topic.key} {watch.rate(topic):.0f}" for topic in SHOWN_RATES)
+    lines.append(Text.assemble(("rates [Hz]  ", "bold"), rates))
+    return lines
+
+
+def _load(wrench: ExternalWrench, status: ControlStatus | None) -> str:
+    force = " ".join(f"{value:+6.1f}" for value in wrench.force)
+    torque = " ".join(f"{value:+6.2f}" for value in wrench.torque)
+    text = f"force [{force}] N, torque [{torque}] Nm, {wrench.compensation}"
+    if status is not None and status.state in ("tracking", "yielding"):
+        text += f"; least margin {min(status.margin[:3]):.1f} N, {min(status.margin[3:]):.2f} Nm"
+    return text
+
+
+def stack_view(rows: list[Row], watch: Watch, processes: Mapping[str, Child], head: str) -> RenderableType:
+    """Everything that `tandem up` shows."""
+    return Group(
+        Text(head, style="bold"), Text(""), services_table(rows, processes), Text(""), *summary(watch)
+    )

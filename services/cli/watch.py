@@ -1,0 +1,51 @@
+"""Listening to a stack: the newest message and the rate of every topic, the health of every service."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from services.cli.diagnose import Heard
+from shared import topics
+from shared.bus import Bus
+from shared.clock import Clock, SteadyClock
+from shared.inlet import Inlet
+from shared.topics import Topic, health_topic
+
+KNOWN_SERVICES = ("sim", "wrench", "controller", "base", "task", "viewer", "experiment")
+
+
+class Watch:
+    """Subscribes to every topic (images excepted, which are made only while somebody subscribes)."""
+
+    def __init__(self, bus: Bus, clock: Clock | None = None) -> None:
+        """Starts listening on `bus`."""
+        self._clock = clock or SteadyClock()
+        self._bus = bus
+        watched: list[Topic] = [topic for topic in topics.TOPICS if topic is not topics.SENSOR_CAMERA]
+        watched += [health_topic(service) for service in KNOWN_SERVICES]
+        self.inlets = {topic.key: Inlet(topic, self._clock) for topic in watched}
+        for key, inlet in self.inlets.items():
+            bus.subscribe(key, inlet.offer)
+
+    def message(self, topic: Topic, fresh: float = 1.0) -> Any:
+        """The newest message, None if there is none younger than `fresh` [s]."""
+        inlet = self.inlets[topic.key]
+        latest, age = inlet.latest, inlet.age(self._clock.now_ns())
+        return latest.message if latest is not None and 0 <= age <= fresh else None
+
+    def rate(self, topic: Topic) -> float:
+        """Messages of the last second [Hz]."""
+        return self.inlets[topic.key].rate(self._clock.now_ns())
+
+    def health(self) -> dict[str, Heard]:
+        """Every service of which health was heard."""
+        heard = {}
+        for service in KNOWN_SERVICES:
+            inlet = self.inlets[f"health/{service}"]
+            if inlet.latest is not None:
+                heard[service] = Heard(inlet.latest.message, inlet.age(self._clock.now_ns()))
+        return heard
+
+    def living(self) -> set[str]:
+        """Services that hold a liveliness token."""
+        return self._bus.living()

@@ -1,0 +1,172 @@
+"""Command line of the experiment: `plan`, `load` (one run against a running stack) and `report`."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from services.experiment import protocol
+from services.experiment.experiment import Answered, LoadExperiment
+from services.experiment.protocol import RUNS, run_named
+from services.experiment.report import RECORDING, write
+from services.experiment.sequence import ANSWER_WITHIN, Ask, Failed
+from shared.bus import Bus, NoReply
+from shared.bus_zenoh import BusError, ZenohBus
+from shared.client import Client
+from shared.clock import SteadyClock, seconds
+from shared.config import Misconfigured, OneLineParser, complain, robot_name, service_parser
+from shared.parameters import Refused
+from shared.process import StopRequest
+from shared.runner import Runner
+
+NAME = "experiment"
+INTERRUPTED = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command.
+
+    Returns:
+        0 when done and every claim holds, 1 when the experiment could not be completed or a claim fails, 2 with one
+        line on a bad option, 130 after a signal.
+    """
+    try:
+        options = _parser().parse_args(arguments)
+        commands: dict[str, Callable[[argparse.Namespace], int]] = {
+            "plan": _plan,
+            "load": _load,
+            "report": _report,
+        }
+        return commands[options.command](options)
+    except (Misconfigured, BusError, ValueError, FileNotFoundError) as problem:
+        return complain(NAME, problem)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(prog=f"python -m services.{NAME}", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="plan|load|report")
+    commands.add_parser("plan", help="print the runs and the settings that each needs, as JSON")
+    load = commands.add_parser("load", help="play one run against the running stack and record it")
+    shared = service_parser(NAME)
+    for option in ("--robot", "--connect"):
+        load.add_argument(option, default=shared.get_default(option[2:]))
+    load.add_argument("--run", required=True, metavar="NAME", help=", ".join(run.name for run in RUNS))
+    load.add_argument("--out", type=Path, required=True, help="folder to put the recording into")
+    load.add_argument("--json", action="store_true", help="progress as JSON, one object per line")
+    report = commands.add_parser("report", help="judge the recordings in a folder and write its page")
+    report.add_argument("folder", type=Path)
+    report.add_argument(
+        "--film", action="append", default=[], metavar="RUN", help="render a film of this run"
+    )
+    report.add_argument(
+        "--ran", action="append", default=[], metavar="TEXT", help="how it was run, for the page"
+    )
+    return parser
+
+
+def _plan(_options: argparse.Namespace) -> int:
+    runs = [dataclasses.asdict(run) for run in RUNS]
+    print(json.dumps({"runs": runs, "duration": protocol.END_AT, "film": protocol.FILMED}))
+    return 0
+
+
+def _report(options: argparse.Namespace) -> int:
+    report = write(options.folder, options.film, options.ran)
+    for claim in report.claims:
+        print(
+            f"{'pass' if claim.passed else 'FAIL'}  {claim.run}: {claim.text}: {claim.figure} ({claim.limit})"
+        )
+    for problem in report.problems:
+        print(f"note  {problem}")
+    print(report.index)
+    return 0 if all(claim.passed for claim in report.claims) else 1
+
+
+def _load(options: argparse.Namespace) -> int:
+    stop = StopRequest()
+    run = run_named(options.run)
+    options.out.mkdir(parents=True, exist_ok=True)
+    bus = ZenohBus(robot_name(options.robot), options.connect, give_up=lambda: stop.requested)
+    try:
+        client = Client(bus)
+        experiment = LoadExperiment(
+            run, bus, client.clock, lambda ask, answered: _ask_aside(client, ask, answered)
+        )
+        reason = _play(experiment, bus, stop, _Progress(options.json))
+        recording = experiment.recording(
+            date=time.strftime("%Y-%m-%d %H:%M"),
+            bus=f"Zenoh, router at {options.connect}",
+            cores=os.cpu_count(),
+        )
+        recording.save(options.out / RECORDING)
+    finally:
+        bus.close()
+    if stop.requested:
+        return INTERRUPTED
+    if reason:
+        print(f"{NAME}: {run.name}: {reason}", file=sys.stderr, flush=True)
+    return 1 if reason else 0
+
+
+def _play(experiment: LoadExperiment, bus: Bus, stop: StopRequest, progress: _Progress) -> str:
+    """Runs the loop until the end; returns why it failed, empty if it did not."""
+    clock = SteadyClock()
+    runner = Runner(experiment, bus, clock, wake=stop.wake.set)
+    while not (stop.requested or experiment.finished):
+        left = seconds(runner.next_deadline() - clock.now_ns())
+        if left > 0:
+            stop.wake.wait(left)
+        stop.wake.clear()
+        try:
+            runner.poll()
+        except Failed as problem:
+            return str(problem)
+        progress.show(experiment)
+    return ""
+
+
+def _ask_aside(client: Client, ask: Ask, answered: Answered) -> None:
+    """Asks in a thread of its own, so that targets keep going out while the answer takes its time."""
+
+    def wait() -> None:
+        try:
+            answered(client.ask(ask.query, ask.request, ask.duration + ANSWER_WITHIN))
+        except (NoReply, Refused) as problem:
+            answered({"ok": False, "error": str(problem)})
+
+    threading.Thread(target=wait, name=f"ask {ask.query.key}", daemon=True).start()
+
+
+class _Progress:
+    """Says what happens: phase, time on the protocol's clock, events; as text for people or JSON for programs."""
+
+    def __init__(self, as_json: bool) -> None:
+        self._as_json = as_json
+        self._said: tuple[Any, ...] = ()
+
+    def show(self, experiment: LoadExperiment) -> None:
+        """Prints a line when something has changed."""
+        sequence = experiment.sequence
+        elapsed = sequence.elapsed(experiment.now())
+        event = sequence.events[-1] if sequence.events else None
+        if self._as_json:
+            said: tuple[Any, ...] = (sequence.phase, None if elapsed is None else round(elapsed, 1), event)
+            line = json.dumps(
+                {"phase": sequence.phase, "elapsed": said[1], "event": event.name if event else ""}
+            )
+        else:
+            said = (sequence.phase, event)
+            line = f"{0.0 if elapsed is None else elapsed:5.1f} s  {sequence.phase}" + (
+                f" ({event.name} {event.detail})" if event else ""
+            )
+        if said != self._said:
+            print(line, flush=True)
+            self._said = said

@@ -1,0 +1,107 @@
+"""The course of the experiment against a made-up robot: order, times, and giving up with the reason."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+
+from services.experiment import protocol
+from services.experiment.protocol import run_named
+from services.experiment.sequence import Failed, LoadSequence, Seen
+from shared import topics
+
+RUN = run_named("certified-100")
+AT_POSE = Seen(
+    position=np.array(protocol.HOLD[:3]),
+    speed=0.0,
+    law="certified",
+    mode="ready",
+    wrench_valid=True,
+    error_bound=0.4,
+)
+
+
+def play(
+    seen: Seen, answer: dict[str, Any] | None = None, until: float = 100.0
+) -> tuple[LoadSequence, list[Any]]:
+    """Steps at 10 Hz with the same observation, answering every request in the following step."""
+    sequence, asked, now = LoadSequence(RUN), [], 0.0
+    while not sequence.done and now < until:
+        for ask in sequence.step(now, seen):
+            asked.append((now, ask))
+            if answer is not None:
+                sequence.answered(answer)
+        now += protocol.TARGET_PERIOD
+    return sequence, asked
+
+
+def test_plays_tare_then_the_loads_at_their_times() -> None:
+    sequence, asked = play(AT_POSE, {"ok": True})
+    assert sequence.done
+    start = sequence.start
+    assert start is not None
+    assert [ask.query for _, ask in asked] == [topics.WRENCH_TARE] + [topics.SIM_COMMAND] * 3
+    times = [now - start for now, ask in asked if ask.query is topics.SIM_COMMAND]
+    assert times == pytest.approx([protocol.LIGHT_AT, protocol.HEAVY_AT, protocol.UNLOAD_AT], abs=0.11)
+    masses = [ask.request["mass"] for _, ask in asked[1:]]
+    assert masses == pytest.approx([20.0 / 9.81, protocol.HEAVY / 9.81, 0.0])
+    assert [event.name for event in sequence.events] == ["tare", "start", "light", "heavy", "unload", "end"]
+
+
+def test_ends_at_the_latest_when_the_tool_does_not_come_back() -> None:
+    sequence, now = LoadSequence(RUN), 0.0
+    low = dataclasses.replace(AT_POSE, position=np.array([0.5, -0.3, 0.5]))
+    while not sequence.done and now < 100.0:
+        unloaded = any(event.name == "unload" for event in sequence.events)
+        for _ in sequence.step(now, low if unloaded else AT_POSE):
+            sequence.answered({"ok": True})
+        now += protocol.TARGET_PERIOD
+    assert sequence.start is not None
+    assert sequence.events[-1].time - sequence.start == pytest.approx(protocol.END_AT, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("seen", "answer", "reason"),
+    [
+        (Seen(), None, "state/ee.*robot process running"),
+        (
+            dataclasses.replace(AT_POSE, wrench_valid=False, trouble="stuck"),
+            None,
+            "wrench/external is not valid. stuck",
+        ),
+        (dataclasses.replace(AT_POSE, law="paper"), None, "law 'paper'.*--set 'law=\"certified\"'"),
+        (dataclasses.replace(AT_POSE, law=""), None, "Is the controller running"),
+        (dataclasses.replace(AT_POSE, mode="stopped"), None, "tandem resume"),
+        (dataclasses.replace(AT_POSE, speed=0.1), None, "still moves at 100 mm/s"),
+        (AT_POSE, None, "no answer on wrench/tare. Is wrench running"),
+        (AT_POSE, {"ok": False, "error": "the tool moves"}, "wrench/tare was refused: the tool moves"),
+        (
+            dataclasses.replace(AT_POSE, position=np.array([0.5, -0.3, 0.7])),
+            {"ok": True},
+            "300 mm from the pose",
+        ),
+        (
+            dataclasses.replace(AT_POSE, error_bound=2.0),
+            {"ok": True},
+            "error bound of force z is 2.00 N.*ft_noise",
+        ),
+    ],
+    ids=[
+        "no robot",
+        "wrench",
+        "law",
+        "no controller",
+        "stopped",
+        "moving",
+        "mute",
+        "refused",
+        "elsewhere",
+        "noisy",
+    ],
+)
+def test_gives_up_with_the_reason(seen: Seen, answer: dict[str, Any] | None, reason: str) -> None:
+    with pytest.raises(Failed, match=reason):
+        play(seen, answer)
