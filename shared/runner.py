@@ -177,7 +177,10 @@ class Runner:
             outputs = self.service.brake(fault, dt)
         self.fault = fault
         for output in outputs:
-            self.publish(output.topic, output.message, output.valid and fault is None)
+            if output.payload is None:
+                self.publish(output.topic, output.message, output.valid and fault is None, output.late)
+            else:
+                self._bus.publish(output.topic.key, output.payload)
         self._next_brake = self._brake_deadline(now)
         self._tell(fault)
 
@@ -210,11 +213,12 @@ class Runner:
             self._reported = kind
             self._report(f"{self.service.wiring.name}: {'working' if fault is None else fault.text}")
 
-    def publish(self, topic: Topic, message: Record, valid: bool = True) -> None:
-        """Send one message with this process' header."""
+    def publish(self, topic: Topic, message: Record, valid: bool = True, late: float = 0.0) -> None:
+        """Send one message with this process' header; ``late`` [s] is the age of its content."""
         sequence = self._sequence.get(topic.key, 0)
         self._sequence[topic.key] = sequence + 1
-        header = Header(sequence, self._session, self._clock.now_ns(), valid)
+        stamp = self._clock.now_ns() - nanoseconds(late)
+        header = Header(sequence, self._session, stamp, valid)
         self._bus.publish(topic.key, encode(message, header))
 
     def close(self) -> None:

@@ -17,11 +17,19 @@ M = TypeVar("M", bound=Record)
 
 @dataclass(frozen=True)
 class Output:
-    """One message to publish; ``valid`` false marks it as not to be trusted."""
+    """One message to publish.
+
+    Attributes:
+        valid: false marks the message as not to be trusted.
+        late: age [s] of its content already; its stamp says so.
+        payload: sent in place of the encoded message. The simulation plays a broken sensor with it.
+    """
 
     topic: Topic
     message: Record
     valid: bool = True
+    late: float = 0.0
+    payload: bytes | None = None
 
 
 @dataclass(frozen=True)
