@@ -1,0 +1,1 @@
+"""Simulated dual-arm TIAGo that speaks the robot's side of the Zenoh contract."""

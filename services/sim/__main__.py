@@ -1,0 +1,7 @@
+"""``python -m services.sim``."""
+
+import sys
+
+from services.sim.main import main
+
+sys.exit(main())

@@ -1,0 +1,119 @@
+"""The simulated robot's own control of its arm: an executed tool twist becomes motion of the motors' set-points."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from services.sim.ik import DifferentialIK
+from services.sim.kinematics import CHAIN, Kinematics
+from services.sim.physics import Physics
+
+Array = NDArray[np.float64]
+
+TORSO_WEIGHT = 10.0
+"""Cost of the torso's speed [m/s] relative to that of an arm joint [rad/s]."""
+LOWEST_TOOL = 0.3
+"""Height [m] of the tool at which the torso is all the way down; in between it shares the way with the arm."""
+SLACK = 0.02
+"""Farthest [rad, m] that a set-point runs ahead of a joint that cannot follow because its effort is at the limit."""
+TORSO_BOTTOM = 0.01
+DRIVE_LAG = 0.015
+"""Time constant [s] of the drives: the tool's twist follows the commanded one as a first-order lag."""
+AT_REST = 1e-5
+"""Rest of a twist [m/s, rad/s] that counts as none, so that the arm comes to rest in finite time."""
+IK_PERIOD = 0.005
+"""Longest time [s] for which joint velocities are used before they are computed anew."""
+
+
+class Arm:
+    """Torso and right arm: kinematics, inverse kinematics and physics together.
+
+    The motors hold positions. What is commanded integrates into their set-points, so a zero twist keeps the joints exactly
+    where they were told to be, whatever hangs on the tool.
+
+    Attributes:
+        tool_position: (3,) [m] in base.
+        tool_rotation: (3, 3) in base.
+        tool_twist: (6,) [m/s, rad/s], base axes.
+        limited_by: why the last twist was not executed in full, or "".
+    """
+
+    def __init__(self, step: float) -> None:
+        self.kinematics = Kinematics()
+        model = self.kinematics
+        self.physics = Physics(model.home, model.effort, step)
+        weight = np.array([TORSO_WEIGHT] + [1.0] * (len(CHAIN) - 1))
+        self._ik = DifferentialIK(model.lower, model.upper, model.speed, CHAIN, weight)
+        model.update(model.home)
+        self._follow = 1.0 - math.exp(-step / DRIVE_LAG)
+        self._ik_steps = max(1, round(IK_PERIOD / step))
+        self._torso_share = (model.home[0] - TORSO_BOTTOM) / (model.tool()[0][2] - LOWEST_TOOL)
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to the start, at rest."""
+        self.physics.reset()
+        self._set_point = self.kinematics.home.copy()
+        self._holding = True
+        self._twist = np.zeros(6)
+        self._joint_velocity = np.zeros(len(CHAIN))
+        self._steps_to_ik = 0
+        self.limited_by = ""
+        self._observe()
+
+    def advance(self, wanted: Array, force: list[float], torque: list[float] | None) -> None:
+        """One physics step with the gate's twist (6,) and the environment's force [N] and torque [Nm] at the tool."""
+        velocity = self._velocity(wanted)
+        if velocity is not None:
+            self._set_point += velocity * self.physics.step_time
+        bounded = self._bound()
+        if velocity is not None or bounded or not self._holding:
+            self.physics.drive(self._set_point, np.zeros(len(CHAIN)) if velocity is None else velocity)
+            self._holding = velocity is None
+        if torque is not None or any(force):
+            self.physics.push(force, torque, self.tool_position.tolist())
+        self.physics.step()
+        self._observe()
+
+    def _velocity(self, wanted: Array) -> Array | None:
+        """Joint velocities (8,) that the drives follow now; None at rest."""
+        if not self._twist.any() and not wanted.any():
+            return None
+        self._twist += self._follow * (wanted - self._twist)
+        if not wanted.any() and np.abs(self._twist).max() < AT_REST:
+            self._twist = np.zeros(6)
+            return None
+        if self._steps_to_ik == 0:
+            self._joint_velocity = self._solve()
+            self._steps_to_ik = self._ik_steps
+        self._steps_to_ik -= 1
+        return self._joint_velocity
+
+    def _solve(self) -> Array:
+        reference = self.kinematics.home.copy()
+        torso = TORSO_BOTTOM + self._torso_share * (self.tool_position[2] - LOWEST_TOOL)
+        reference[0] = min(max(torso, TORSO_BOTTOM), self.kinematics.home[0])
+        lead = np.zeros(len(CHAIN))
+        if reference[0] == torso:
+            lead[0] = self._torso_share * self._twist[2]
+        solution = self._ik.solve(self._set_point, self._jacobian, self._twist, reference, lead)
+        self.limited_by = solution.limited_by
+        return solution.velocity
+
+    def _bound(self) -> bool:
+        """Keep the set-points within reach of the joints; true if one had to be moved."""
+        position = self.physics.position
+        bounded = np.minimum(np.maximum(self._set_point, position - SLACK), position + SLACK)
+        if (bounded == self._set_point).all():
+            return False
+        self._set_point = bounded
+        return True
+
+    def _observe(self) -> None:
+        self.kinematics.update(self.physics.position)
+        self.tool_position, self.tool_rotation = self.kinematics.tool()
+        self._jacobian = self.kinematics.jacobian()
+        self.tool_twist: Array = self._jacobian @ self.physics.velocity

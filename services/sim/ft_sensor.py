@@ -1,0 +1,34 @@
+"""The wrist's force-torque sensor: what it makes of the true wrench."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+RANGE: Array = np.array((290.0, 290.0, 580.0, 10.0, 10.0, 10.0))
+"""Largest reading [N, Nm] per axis: Schunk FTN-Mini-45, calibration SI-290-10, the sensor of the TIAGo's wrist."""
+
+
+class ForceTorqueSensor:
+    """Adds bias and white noise, and saturates.
+
+    Args:
+        noise: standard deviation per axis (6,) [N, Nm].
+        bias: constant error per axis (6,) [N, Nm].
+        seed: of the noise; the same seed gives the same readings.
+    """
+
+    def __init__(self, noise: Sequence[float], bias: Sequence[float], seed: int) -> None:
+        self._noise = np.array(noise)
+        self._bias = np.array(bias)
+        self._random = np.random.default_rng(seed)
+
+    def read(self, wrench: Array) -> tuple[Array, bool]:
+        """One reading (6,) [N, Nm] of a true wrench (6,), both in sensor axes, and whether an axis is saturated."""
+        reading = wrench + self._bias + self._noise * self._random.standard_normal(6)
+        clipped = np.minimum(np.maximum(reading, -RANGE), RANGE)
+        return clipped, bool((clipped != reading).any())

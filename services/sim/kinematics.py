@@ -1,0 +1,111 @@
+"""Kinematics and statics of the simulated TIAGo's torso and right arm, from its own URDF."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+URDF = Path(__file__).with_name("tiago.urdf")
+
+CHAIN = ("torso_lift_joint", *(f"arm_right_{i}_joint" for i in range(1, 8)))
+"""The joints that move the tool, from the base outwards."""
+TOOL_FRAME = "gripper_right_grasping_frame"
+SENSOR_FRAME = "wrist_right_ft_link"
+SENSOR_JOINT = "wrist_right_ft_joint"
+
+HOME = {
+    "torso_lift_joint": 0.345,
+    "arm_right_1_joint": 0.66393062,
+    "arm_right_2_joint": 1.07003071,
+    "arm_right_3_joint": 1.02240766,
+    "arm_right_4_joint": 2.3362,
+    "arm_right_5_joint": 1.51284625,
+    "arm_right_6_joint": 1.06685273,
+    "arm_right_7_joint": 0.45070951,
+    "arm_left_1_joint": -1.1,
+    "arm_left_2_joint": 1.4679,
+    "arm_left_3_joint": 2.714,
+    "arm_left_4_joint": 1.7095,
+    "arm_left_5_joint": -1.5708,
+    "arm_left_6_joint": 1.37,
+    "arm_left_7_joint": 0.0,
+    "head_1_joint": -0.45,
+    "head_2_joint": -0.35,
+}
+"""Positions [m, rad] at the start; joints not named stand at zero.
+
+The tool is at (0.5, -0.3, 1.0) m with the axes of the base. There the forearm's roll joint, which yields above 3 Nm,
+decides what the arm can carry: with the elbow out to the side, where most solutions have it, a weight at the tool of
+15 to 20 N is too much. Here the elbow is low and in front, the torso high and the elbow joint nearly closed, and 28 N at
+the tool take 2.5 of its 3 Nm. Going down only makes that easier.
+"""
+
+
+def full_model() -> pin.Model:
+    """The whole robot on its fixed ``base_footprint``."""
+    return pin.buildModelFromUrdf(str(URDF))
+
+
+def joint_names(model: pin.Model) -> tuple[str, ...]:
+    """Names of the movable joints in the order of the model's configuration."""
+    return tuple(model.names[1:])
+
+
+def home(model: pin.Model) -> Array:
+    """The start configuration [m, rad] in the order of ``joint_names(model)``."""
+    return np.array([HOME.get(name, 0.0) for name in joint_names(model)])
+
+
+def locked_except(model: pin.Model, free: tuple[str, ...]) -> pin.Model:
+    """The model with all joints but the ``free`` ones fixed at their start positions."""
+    locked = [model.getJointId(name) for name in joint_names(model) if name not in free]
+    return pin.buildReducedModel(model, locked, home(model))
+
+
+class Kinematics:
+    """Forward kinematics of the chain from ``base_footprint`` to the tool; results refer to the last ``update``."""
+
+    def __init__(self) -> None:
+        self._model = locked_except(full_model(), CHAIN)
+        self._data = self._model.createData()
+        self._tool = self._model.getFrameId(TOOL_FRAME)
+        self._sensor = self._model.getFrameId(SENSOR_FRAME)
+        self.lower: Array = self._model.lowerPositionLimit.copy()
+        self.upper: Array = self._model.upperPositionLimit.copy()
+        self.speed: Array = self._model.velocityLimit.copy()
+        self.effort: Array = self._model.effortLimit.copy()
+        self.home: Array = home(self._model)
+        self.update(self.home)
+        pin.updateFramePlacement(self._model, self._data, self._sensor)
+        tool_in_sensor = self._data.oMf[self._sensor].actInv(self._data.oMf[self._tool])
+        self.tool_in_sensor: Array = tool_in_sensor.translation.copy()
+
+    def update(self, position: Array) -> None:
+        """Compute poses and Jacobians for the chain's joint positions (8,) [m, rad]."""
+        pin.computeJointJacobians(self._model, self._data, position)
+        pin.updateFramePlacement(self._model, self._data, self._tool)
+
+    def tool(self) -> tuple[Array, Array]:
+        """Position (3,) [m] and rotation (3, 3) of the tool in base."""
+        pose = self._data.oMf[self._tool]
+        return pose.translation.copy(), pose.rotation.copy()
+
+    def sensor(self) -> tuple[Array, Array]:
+        """Position (3,) [m] and rotation (3, 3) of the force-torque sensor in base."""
+        pose = pin.updateFramePlacement(self._model, self._data, self._sensor)
+        return pose.translation.copy(), pose.rotation.copy()
+
+    def jacobian(self) -> Array:
+        """Jacobian (6, 8): joint velocities to the tool's twist in base axes."""
+        return pin.getFrameJacobian(self._model, self._data, self._tool, pin.LOCAL_WORLD_ALIGNED)
+
+    def holding_effort(self, position: Array, force: Array) -> Array:
+        """Efforts (8,) [N, Nm] that hold the chain still while ``force`` (3,) [N, base axes] acts on the tool."""
+        gravity = pin.computeGeneralizedGravity(self._model, self._data, position)
+        self.update(position)
+        return gravity - self.jacobian()[:3].T @ force

@@ -1,0 +1,168 @@
+"""The simulated robot as a service: the robot's side of the contract in front of the simulated world."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from services.sim.commands import Commands
+from services.sim.ft_sensor import ForceTorqueSensor
+from services.sim.pace import Pace, Ticks
+from services.sim.parameters import SimParameters
+from services.sim.sensor_faults import SensorLine
+from services.sim.state import JointSensors
+from services.sim.world import World
+from shared import topics
+from shared.faults import Fault
+from shared.limits import Gate, GateLimits
+from shared.messages import BagState, BaseState, FtSample, GripperState, RobotStatus, SimWorld
+from shared.parameters import Parameters
+from shared.service import Inputs, Output, Reading, Wiring
+from shared.spatial import quaternion
+from shared.topics import Query
+
+
+class Simulator:
+    """Steps the world by one tick per call, executes what the gate lets through, and publishes what is due.
+
+    A tick simulates the time since the last one. A command that arrived in between acts from the physics step on in which
+    it arrived, and its time to live is counted from there: the gate's answers are as sharp as the physics steps.
+    """
+
+    max_delay = 0.2
+
+    def __init__(self, parameters: SimParameters) -> None:
+        self.parameters: Parameters = parameters
+        self._settings = parameters
+        self._ticks = Ticks(parameters.ft_rate, parameters.joint_rate, parameters.physics_rate)
+        # Real time per simulated time: the gate's deadlines are promises in real time.
+        self._stretch = 1.0 / parameters.real_time_factor
+        self.world = World(self._ticks.step)
+        self.gate = Gate(
+            GateLimits(
+                parameters.max_linear,
+                parameters.max_angular,
+                parameters.max_linear_acceleration,
+                parameters.max_angular_acceleration,
+            )
+        )
+        self._sensor = ForceTorqueSensor(parameters.ft_noise, parameters.ft_bias, parameters.seed)
+        self._lines = {"ft": SensorLine(), "joints": SensorLine()}
+        self._joints = JointSensors(self.world.arm, self._lines["joints"])
+        self._commands = Commands(self.world, self._lines)
+        self._pace = Pace()
+        self._pending = False
+        self._told = ("", "")
+        self.wiring = Wiring(
+            name="sim",
+            driver=self._stretch / self._ticks.rate,
+            optional=(topics.COMMAND_EE_TWIST, topics.STOP),
+            queries=(topics.SIM_COMMAND,),
+            # A late tick is no reason to stop the world: the gate watches over the commands' age.
+            overrun_share=1.0,
+        )
+
+    def step(self, inputs: Inputs, dt: float) -> list[Output]:
+        """Simulate one tick; ``dt`` [s] of real time have passed since the last one."""
+        self._pace.add(dt, self._stretch / self._ticks.rate)
+        stop = inputs.get(topics.STOP)
+        # A stop engages whatever its publisher thinks of itself; only a sound message releases it.
+        if stop is not None and stop.new and (stop.message.engaged or stop.header.valid):
+            self.gate.stop(stop.message.engaged, stop.message.reason)
+        self._advance(inputs.get(topics.COMMAND_EE_TWIST))
+        return self._outputs(inputs)
+
+    def brake(self, fault: Fault, dt: float) -> list[Output]:
+        """The world stands still with the process."""
+        self._told = ("holding", fault.text)
+        return [Output(topics.STATE_ROBOT, self._status())]
+
+    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
+        """Answer ``sim/command``."""
+        self._commands.carry_out(request)
+        reply({})
+
+    def apply(self, parameters: Parameters) -> None:
+        """The simulation's parameters hold for its whole run; the contract has no way to change them."""
+        self.parameters = parameters
+
+    def notes(self) -> str:
+        """Whether it keeps up, and the faults put on the sensors."""
+        faults = (f"{name} sensor: {line.kind}" for name, line in self._lines.items() if line.kind != "ok")
+        return "; ".join(note for note in (self._pace.complaint, *faults) if note)
+
+    def _advance(self, command: Reading | None) -> None:
+        step = self._ticks.step * self._stretch
+        self._pending = self._pending or (command is not None and command.new)
+        for left in range(self._ticks.substeps, 0, -1):
+            if self._pending and command is not None and command.age - left * step > -1e-9:
+                self._pending = False
+                message = command.message
+                age = command.age - left * step
+                self.gate.command(message.linear, message.angular, message.ttl, age, command.header.valid)
+            self.world.advance(self.gate.advance(step))
+        self._ticks.advance()
+
+    def _outputs(self, inputs: Inputs) -> list[Output]:
+        tick = 1.0 / self._ticks.rate
+        due = self._ticks.due
+        ft = [Output(topics.SENSOR_FT, self._ft_sample())] if due(self._settings.ft_rate) else []
+        outputs = self._lines["ft"].send(ft, tick)
+        joints = []
+        if due(self._settings.joint_rate):
+            joint_state, tool = self._joints.measure()
+            joints = [Output(topics.STATE_EE, tool), Output(topics.STATE_JOINTS, joint_state)]
+        outputs += self._lines["joints"].send(joints, tick)
+        if due(topics.STATE_BASE.rate):
+            outputs.append(Output(topics.STATE_BASE, BaseState(np.zeros(2), 0.0, np.zeros(3))))
+        if due(topics.STATE_GRIPPER.rate):
+            outputs.append(Output(topics.STATE_GRIPPER, GripperState(0.0, 0.0, False)))
+        if due(topics.SIM_WORLD.rate):
+            outputs.append(Output(topics.SIM_WORLD, self._world_state()))
+        told = (self.gate.mode, self._reason(inputs))
+        if due(topics.STATE_ROBOT.rate) or told[0] != self._told[0]:
+            self._told = told
+            outputs.append(Output(topics.STATE_ROBOT, self._status()))
+        return outputs
+
+    def _ft_sample(self) -> FtSample:
+        arm = self.world.arm
+        line = self._lines["ft"]
+        reading, saturated = line.stick(lambda: self._sensor.read(arm.physics.wrist_wrench()))
+        reading = line.shift(reading)
+        _, rotation = arm.kinematics.sensor()
+        return FtSample(
+            reading[:3], reading[3:], quaternion(rotation), arm.kinematics.tool_in_sensor, saturated
+        )
+
+    def _world_state(self) -> SimWorld:
+        bag = self.world.bag
+        state = BagState(bag.mass, bag.height) if bag.present else None
+        return SimWorld(self.world.time, None, state, None, self.world.contact_force, False)
+
+    def _reason(self, inputs: Inputs) -> str:
+        """Why commands are not executed, and what was not executed as sent since the start."""
+        counts = ((self.gate.clamped, "clamped"), (self.gate.expired, "expired"))
+        refusals = ((topic.key, inputs.refusals(topic)) for topic in (topics.COMMAND_EE_TWIST, topics.STOP))
+        parts = [
+            self.gate.reason,
+            self.world.arm.limited_by,
+            *(f"{count} commands {what}" for count, what in counts if count),
+            *(f"{key}: {text}" for key, text in refusals if text),
+        ]
+        return "; ".join(part for part in parts if part)
+
+    def _status(self) -> RobotStatus:
+        limits = self.gate.limits
+        mode, reason = self._told
+        return RobotStatus(
+            mode=mode,
+            reason=reason,
+            base_type=self._settings.base_type,
+            simulated=True,
+            max_linear=limits.max_linear,
+            max_angular=limits.max_angular,
+            max_base=np.zeros(3),
+        )

@@ -1,0 +1,53 @@
+"""What the robot tells about itself: messages made of the arm's state."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from services.sim.arm import Arm
+from services.sim.kinematics import CHAIN, Kinematics, full_model, home, joint_names
+from services.sim.sensor_faults import SensorLine
+from shared.messages import EndEffector, JointState
+from shared.spatial import quaternion
+
+Array = NDArray[np.float64]
+
+
+class JointSensors:
+    """The joints' encoders, and what the robot computes from them.
+
+    Joints that this simulation does not drive (left arm, head, grippers) are reported where they are held, with the
+    effort that their weight takes.
+    """
+
+    def __init__(self, arm: Arm, line: SensorLine) -> None:
+        self._arm = arm
+        self._line = line
+        self._kinematics = Kinematics()
+        model = full_model()
+        self._names = joint_names(model)
+        self._position = home(model)
+        self._effort = pin.computeGeneralizedGravity(model, model.createData(), self._position)
+        self._driven = [self._names.index(name) for name in CHAIN]
+
+    def measure(self) -> tuple[JointState, EndEffector]:
+        """Joint states and the tool's pose and twist, as the encoders have them."""
+        physics = self._arm.physics
+        position, velocity, effort = self._line.stick(
+            lambda: (physics.position, physics.velocity, physics.effort())
+        )
+        position = self._line.shift(position)
+        all_positions, all_velocities = self._position.copy(), np.zeros(len(self._names))
+        all_efforts = self._effort.copy()
+        all_positions[self._driven] = position
+        all_velocities[self._driven] = velocity
+        all_efforts[self._driven] = effort
+        self._kinematics.update(position)
+        tool, rotation = self._kinematics.tool()
+        twist = self._kinematics.jacobian() @ velocity
+        return (
+            JointState(self._names, all_positions, all_velocities, all_efforts),
+            EndEffector(tool, quaternion(rotation), twist[:3], twist[3:]),
+        )
