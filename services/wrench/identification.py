@@ -14,6 +14,7 @@ that is larger: with few poses a small residual is luck.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -136,7 +137,7 @@ def _design(down: Array) -> tuple[Array, Array]:
 
 def _condition(rows: Array) -> float:
     singular = np.linalg.svd(rows, compute_uv=False)
-    return float(singular[0] / max(singular[-1], np.finfo(float).tiny))
+    return float(singular[0] / singular[-1]) if singular[-1] > 1e-9 * singular[0] else math.inf
 
 
 def _least_squares(rows: Array, means: Array, sigma: Array) -> tuple[Array, Array, Array]:
@@ -144,10 +145,10 @@ def _least_squares(rows: Array, means: Array, sigma: Array) -> tuple[Array, Arra
 
     The covariance takes the worst axis for all three, with the larger of the two estimates of its variance.
     """
-    solution: Array = np.linalg.lstsq(rows, means.ravel(), rcond=None)[0]
+    solution = np.asarray(np.linalg.lstsq(rows, means.ravel(), rcond=None)[0], dtype=np.float64)
     residuals: Array = (means.ravel() - rows @ solution).reshape(means.shape)
     freedom = means.size - rows.shape[1]
-    inverse: Array = np.linalg.inv(rows.T @ rows)
+    inverse = np.asarray(np.linalg.inv(rows.T @ rows), dtype=np.float64)
     variance = max(float((residuals**2).sum()) / freedom, float((sigma**2).max()))
     return solution, variance * inverse, residuals
 
@@ -156,11 +157,11 @@ def _missing(down: Array, condition: float) -> str:
     """Which motion would make the poses determine the unknowns: one line."""
     centred = down - down.mean(axis=0)
     _, spreads, directions = np.linalg.svd(centred)
-    spread = spreads[0] / np.sqrt(len(down))
+    spread = abs(float(spreads[0])) / math.sqrt(len(down))
     start = f"the poses do not determine the payload (condition {condition:.3g}, allowed is {LARGEST_CONDITION:g}): "
     if spread < 0.1:
         return start + (
-            f"the sensor's tilt varies by only {np.degrees(spread):.1f} degrees (turning about the vertical does "
+            f"the sensor's tilt varies by only {math.degrees(spread):.1f} degrees (turning about the vertical does "
             "not count). Add poses tilted by 30 degrees or more, about two different axes"
         )
     # Turning about the axis a moves gravity along a x down: perpendicular to the line seen so far if a is that line.
