@@ -39,7 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(f"{NAME}: listening {where}", file=sys.stderr, flush=True)
     try:
         while not stop.requested:
-            stop.wake.wait()
+            # With an end: a signal that reaches one of Zenoh's threads does not interrupt this one's wait.
+            stop.wake.wait(0.2)
     finally:
         session.close()
     return 0
