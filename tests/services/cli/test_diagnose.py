@@ -1,0 +1,63 @@
+"""A service is alive, lost or never seen; whatever is wrong comes with a remedy."""
+
+from __future__ import annotations
+
+import pytest
+
+from services.cli.diagnose import Heard, control_line, never_seen, robot_line, rows
+from shared.messages import ControlStatus, Health, RobotStatus
+
+
+def health(state: str = "ok", detail: str = "") -> Health:
+    return Health(state, detail, 100.0, 100.0, 200.0, 0, {})
+
+
+@pytest.mark.parametrize(
+    ("living", "age", "message", "state", "ok"),
+    [
+        (True, 0.3, health(), "ok", True),
+        (True, 0.3, health("starting", "waiting for sensor/ft"), "starting", True),
+        (True, 0.3, health("degraded", "sensor/ft is silent"), "degraded", False),
+        (True, 1.4, health(), "lost", False),
+        (False, 0.3, health(), "lost", False),
+        (False, None, None, "lost", False),
+        (True, None, None, "silent", False),
+    ],
+    ids=["ok", "starting", "degraded", "hung", "killed", "killed before it spoke", "mute"],
+)
+def test_state_of_a_service(
+    living: bool, age: float | None, message: Health | None, state: str, ok: bool
+) -> None:
+    heard = {} if message is None or age is None else {"controller": Heard(message, age)}
+    row = rows({"controller"} if living else set(), heard, ["controller"])[0]
+    assert (row.service, row.state, row.ok) == ("controller", state, ok)
+    if state in ("lost", "silent"):
+        assert "tandem start controller" in row.detail
+    elif message is not None:
+        assert row.detail == message.detail
+
+
+def test_expected_services_come_first_and_others_are_not_hidden() -> None:
+    found = rows({"base", "sim"}, {"base": Heard(health(), 0.1)}, ["sim", "wrench"])
+    assert [row.service for row in found] == ["sim", "wrench", "base"]
+
+
+def test_a_service_that_was_never_started_is_not_called_lost() -> None:
+    assert never_seen("wrench").state == "never seen"
+    assert "tandem start wrench" in never_seen("wrench").detail
+
+
+def test_a_stopped_robot_names_the_remedy() -> None:
+    status = RobotStatus("stopped", "tandem stop", "omni", True, 0.25, 0.5, (0.0, 0.0, 0.0))
+    line, ok = robot_line(status)
+    assert not ok
+    assert "tandem resume" in line
+    assert robot_line(None)[1] is False
+
+
+def test_a_braking_controller_gives_its_reason() -> None:
+    zero = (0.0,) * 6
+    status = ControlStatus("braking", "wrench/external is silent", "paper", zero, zero, zero, 0.0, 0.0, 0.0)
+    line, ok = control_line(status)
+    assert not ok
+    assert "wrench/external is silent" in line

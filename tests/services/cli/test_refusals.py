@@ -1,0 +1,86 @@
+"""What the command cannot take is refused with one line that names it, and exit status 2."""
+
+from __future__ import annotations
+
+import re
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.support.ports import free_endpoint
+from tests.support.processes import ROOT
+
+
+def tandem(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "services.cli", *arguments],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (
+            ["hold", "0.5", "-0.3", "1", "0", "0", "0", "--force-limit", "-3"],
+            r"force_limit is \[-3.*above 0 N",
+        ),
+        (["hold", "0.5", "-0.3", "1"], "six numbers.*got 3"),
+        (
+            ["hold", "0", "0", "1", "0", "0", "0", "--torque-limit", "1,2"],
+            "--torque-limit '1,2'.*one number or three",
+        ),
+        (["up", "--set", "law=1"], "--set 'law=1': wanted SERVICE.NAME=VALUE"),
+        (["up", "--set", "viewer.x=1"], "'viewer' is no service of the stack"),
+        (["up", "--config", "/nowhere.toml"], "--config /nowhere.toml: No such file"),
+        (["up", "--router", "udp/127.0.0.1:1"], "wanted tcp/HOST:PORT"),
+        (["start", "viewer"], "'viewer' is no service of the stack; choose from router, sim"),
+        (["status", "--connect", "nonsense"], "--connect nonsense"),
+        (["status", "--robot", "a/b"], "--robot 'a/b'"),
+        (["topic", "echo", "no/such"], "'no/such' is no topic of the contract"),
+        (["param", "set", "controller"], "wanted SERVICE.NAME=VALUE"),
+        (["param", "set", "viewer.x=1"], "'viewer' has no parameters"),
+        (["param", "set", "controller.law=[1"], "is no TOML value"),
+        (["run", "load", "--runs", "nope"], "no run 'nope'; choose from paper-30"),
+        (["fly"], "No such command 'fly'"),
+        (["topic"], "Missing command"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else None,
+)
+def test_refused_with_one_line(arguments: list[str], reason: str) -> None:
+    done = tandem(*arguments)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert re.search(reason, done.stderr)
+    assert done.stderr.startswith("tandem: ")
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", [["up"], ["run", "load"]], ids=["up", "run"])
+def test_a_taken_port_is_named_with_another_choice(command: list[str], tmp_path: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        out = ["--out", str(tmp_path)] if command[0] == "run" else []
+        done = tandem(*command, "--router", f"tcp/127.0.0.1:{port}", *out)
+    assert done.returncode == 1
+    assert f"port {port} on 127.0.0.1" in done.stderr
+    assert f"--router tcp/127.0.0.1:{port + 1}" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", [["status"], ["topic", "hz"], ["tare"], ["param", "get", "controller"]])
+def test_without_a_router_says_how_to_start_one(command: list[str]) -> None:
+    done = tandem(*command, "--connect", free_endpoint())
+    assert done.returncode == 1
+    assert "no router at" in done.stderr
+    assert "tandem up" in done.stderr
+    assert done.stderr.count("\n") == 1
