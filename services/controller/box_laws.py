@@ -6,7 +6,7 @@ from abc import abstractmethod
 
 import numpy as np
 
-from services.controller.law import Law, LawInput, Motion
+from services.controller.law import Law, LawInput, LawOutput
 from services.controller.parameters import ControllerParameters
 from services.controller.qp import TOLERANCE, UNBOUNDED, Qp, QpFailure, Timer, no_timer
 from shared.spatial import Array
@@ -34,12 +34,12 @@ class BoxLaw(Law):
     def _bounds(self, state: LawInput, error: Array) -> tuple[Array, Array]:
         """The law's own bounds l, u (6,) [m/s, rad/s], before the speed limits."""
 
-    def _move(self, state: LawInput, error: Array, length: float, dt: float) -> Motion:
-        qp, box = self.qp, self.box
+    def _move(self, state: LawInput, error: Array, length: float, dt: float) -> LawOutput:
+        qp, reach = self.qp, self.box.reach
         own_lower, own_upper = self._bounds(state, error)
         # A bound beyond the speed limits closes on them: the box is never empty.
-        lower = np.clip(own_lower, box.lower, box.upper)
-        upper = np.clip(own_upper, box.lower, box.upper)
+        lower = np.minimum(np.maximum(own_lower, -reach[:6]), reach[6:])
+        upper = np.minimum(np.maximum(own_upper, -reach[:6]), reach[6:])
         qp.lower[:_GAMMA] = lower
         qp.upper[:_GAMMA] = upper
         # (e/|e|).v - gamma/|e| <= -(lambda/2)|e|, gamma/|e| being the last variable.
@@ -47,16 +47,14 @@ class BoxLaw(Law):
         qp.right[0] = -0.5 * self.parameters.lyapunov_rate * length
         qp.cost[_GAMMA] = self.parameters.relaxation_weight * length
         try:
-            v = np.clip(qp.solve()[:_GAMMA], lower, upper)
-            failure = None
+            v, failure = np.minimum(np.maximum(qp.solve()[:_GAMMA], lower), upper), None
         except QpFailure as problem:
             # The point of the box next to standing still needs no solver; it retreats where the box demands it.
-            v = np.clip(0.0, lower, upper)
-            v = v if np.isfinite(v).all() else self._rest
+            v = np.minimum(np.maximum(0.0, lower), upper)
             failure = self._recorded(problem)
         # The lower bound of v_i keeps w_i below its upper limit.
-        active = ((v < own_lower + TOLERANCE).astype(float)) - ((v > own_upper - TOLERANCE).astype(float))
-        return Motion(v, active, bool(active.any()), failure)
+        active = np.subtract(v < own_lower + TOLERANCE, v > own_upper - TOLERANCE, dtype=float)
+        return LawOutput(v, active, yielding=bool(np.count_nonzero(active)), failure=failure)
 
 
 class PaperLaw(BoxLaw):
@@ -65,15 +63,15 @@ class PaperLaw(BoxLaw):
     name = "paper"
 
     def _bounds(self, state: LawInput, error: Array) -> tuple[Array, Array]:
-        w, alpha = state.wrench, self.parameters.barrier_rate
-        lower, upper = np.full(6, -UNBOUNDED), np.full(6, UNBOUNDED)
-        for i, (wi, limit) in enumerate(zip(w.tolist(), state.limit.tolist(), strict=True)):
+        alpha = self.parameters.barrier_rate
+        lower, upper = [-UNBOUNDED] * 6, [UNBOUNDED] * 6
+        for i, (w, limit) in enumerate(zip(state.wrench.tolist(), state.limit.tolist(), strict=True)):
             # v_i >= (alpha_i/2)(w_i^2 - wbar_i^2)/w_i for w_i > 0, <= for w_i < 0, none for w_i = 0.
-            if wi > 0.0:
-                lower[i] = max(-UNBOUNDED, 0.5 * alpha[i] * (wi * wi - limit * limit) / wi)
-            elif wi < 0.0:
-                upper[i] = min(UNBOUNDED, 0.5 * alpha[i] * (wi * wi - limit * limit) / wi)
-        return lower, upper
+            if w > 0.0:
+                lower[i] = max(-UNBOUNDED, 0.5 * alpha[i] * (w - limit * limit / w))
+            elif w < 0.0:
+                upper[i] = min(UNBOUNDED, 0.5 * alpha[i] * (w - limit * limit / w))
+        return np.array(lower), np.array(upper)
 
 
 class StiffnessLaw(BoxLaw):

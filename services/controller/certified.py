@@ -1,18 +1,20 @@
 """The certified law: force limits that hold between samples too, for every contact within the declared bounds.
 
 ``v = y + p - q`` with ``p, q >= 0``. Twelve directed rows bound what p, q and everything in flight can add to each
-``|w_i|`` through Kbar; ``y`` is the yielding. Strict (``yield_start`` = 1) and rounded (< 1) differ in y and in the caps
-(docs/guarantee.md, "The law").
+``|w_i|`` through Kbar; ``y`` is the yielding. Strict (``yield_start`` = 1) and rounded (< 1) differ in y and in the
+caps (docs/guarantee.md, "The law").
+
+Twelve-vectors run over the directions of ``Travel``: element i is motion that makes w_i grow (q_i), element 6 + i
+motion that makes it fall (p_i); row i keeps w_i below its cap, row 6 + i keeps -w_i below it.
 """
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from services.controller.caps import Caps
 from services.controller.contact import StiffnessBound
-from services.controller.law import Law, LawInput, Motion, narrow_limit
+from services.controller.law import Law, LawInput, LawOutput
 from services.controller.parameters import ControllerParameters
 from services.controller.qp import TOLERANCE, UNBOUNDED, Qp, QpFailure, Timer, no_timer
 from services.controller.yielding import RoundedYield, StrictYield, scaled_into
@@ -22,8 +24,6 @@ _GAMMA = 12
 _LYAPUNOV = 12
 _CLOSED = 1e-7
 """A row with less room than this speed [m/s, rad/s] is closed: its variables are fixed at 0."""
-_SHARE = 1.0 / 6.0
-"""Share of what is left of V <= 1 that each axis may use in one command (rounded form)."""
 
 
 class CertifiedLaw(Law):
@@ -35,182 +35,165 @@ class CertifiedLaw(Law):
         self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None
     ) -> None:
         super().__init__(parameters, timer, previous)
-        T, d, tau = parameters.period, parameters.delay, parameters.lag
+        T = parameters.period
         self.rounded = parameters.yield_start < 1.0
-        self.horizon = parameters.horizon
-        self.response_time = self.horizon if self.rounded else self.horizon + T
-        self.turn_in_flight = parameters.max_angular * T
+        # D: from a wrench to the full answer to it; the strict form counts one more period.
+        self.response_time = parameters.horizon if self.rounded else parameters.horizon + T
         self.bound = StiffnessBound(parameters.contact_zones)
-        self._strict = StrictYield()
-        self._rounded = RoundedYield()
-        # |v|^2 = |p - q|^2 + ...: with |p|^2 + |q|^2 instead no p_i and q_i oppose each other.
+        self.caps = Caps(parameters.reserve, parameters.yield_start)
+        self._yielding = RoundedYield() if self.rounded else StrictYield()
+        # |p|^2 + |q|^2 in place of |p - q|^2: the same minimum without p_i and q_i opposing each other.
         self.qp = Qp(np.array([1.0] * 12 + [0.0]), 13, timer, T)
         self.qp.upper[_GAMMA] = UNBOUNDED
         self.qp.rows[_LYAPUNOV, _GAMMA] = -1.0
-        self._scales = np.array([[1.0 / T], [1.0 / self.horizon]])
+        self._times = np.array([[T], [parameters.horizon]])
         self._version = -1
         self._M = np.zeros((12, 12))
         self._scaled = np.zeros((12, 12))
-        self._per_row = np.ones(12)
-        self._per_own = np.ones(12)
-        self._y = np.zeros(6)
-        self._y_path = np.zeros(12)
+        self._per_speed = np.zeros((2, 12))
         self._w = np.zeros(12)
-        self._cap = np.zeros(12)
-        self._kept = np.zeros(12)
-        self._levels = np.zeros((2, 12))
+        self._y = np.zeros(6)
+        self._y_speeds = np.zeros(12)
         self._now = np.zeros((2, 12))
         self._steady = np.zeros((2, 12))
-        self._room = np.zeros(12)
+        self._slack = np.zeros(12)
         self._none = np.zeros(12)
-        self._used = self._pq = self._inward = self._none
 
     @property
     def solve_us(self) -> float:
         return self.qp.solve_us
 
-    def _refusal(self, state: LawInput) -> str | None:
-        return super()._refusal(state) or narrow_limit(state.limit, self._error_bound(state))
-
-    def _error_bound(self, state: LawInput) -> Array:
-        return state.error_bound + self.box.inertial_force
-
-    def _move(self, state: LawInput, error: Array, length: float, dt: float) -> Motion:
-        eps = self._error_bound(state)
-        W = state.limit - eps
+    def _move(self, state: LawInput, error: Array, length: float, dt: float) -> LawOutput:
+        self.caps.update(state.limit, state.error_bound + self.box.inertial_force)
+        if self.caps.refusal is not None:
+            return LawOutput(self._rest, self._rest, failure=self.caps.refusal)
         self._update_bound(state)
-        cap = self._yield(state, W, eps, dt)
-        closed = self._rows(state, W, eps, cap)
+        yields = self._yield(state, dt)
+        closed = self._rows(state, yields)
         y = self._y
-        yields = bool(y.any())
         if yields and self.rounded and closed:
-            # Retreat asks no row; nothing else may move while a row is closed.
-            return Motion(y, np.sign(y), True)
+            # Retreat asks no row; nothing else may move while a row has no room.
+            return LawOutput(y, np.sign(y), yielding=True)
         try:
-            v, failure = self._solve(error, length, yields), None
+            speeds, failure = self._solve(error, length, yields), None
         except QpFailure as problem:
-            v, failure = y.copy(), self._recorded(problem)
-        active, pressed = self._active(state, eps)
-        return Motion(v, active, yields or pressed, failure)
+            speeds, failure = self._none, self._recorded(problem)  # y alone needs no solver
+        v = speeds[6:] - speeds[:6]
+        if yields:
+            v += y
+        active, pressed = self._active(state, speeds)
+        return LawOutput(v, active, yielding=yields or pressed, failure=failure)
 
     def _update_bound(self, state: LawInput) -> None:
-        """Kbar for this attitude, and the rows ``M [p; q]`` with ``M = [L, Kbar; Kbar, L]``."""
+        """Kbar for this attitude, and the rows' matrix ``M = [Kbar, L; L, Kbar]``."""
         # F = wbar + |nominal force| bounds the sum of the contacts' forces where they do not squeeze.
         force = (state.limit[:3] + np.abs(state.nominal[:3])).tolist()
         turns = self.travel.in_flight.tolist()
         in_flight = max(turns[3] + turns[9], turns[4] + turns[10], turns[5] + turns[11])
         bound = self.bound
-        bound.update(state.rotation, in_flight + self.turn_in_flight, force)
+        bound.update(state.rotation, in_flight + self.parameters.max_angular * self.parameters.period, force)
         if bound.version == self._version:
             return
         self._version = bound.version
-        K, M = bound.matrix, self._M
-        # up_i (w_i grows) counts q_i with d_i = Kbar_ii and p_i with low_i; down_i the other way round.
-        M[:6, 6:] = M[6:, :6] = K
-        M[:6, :6] = K
-        np.fill_diagonal(M[:6, :6], bound.low)
-        M[6:, 6:] = M[:6, :6]
-        self._per_row = 1.0 / M.max(axis=1)
-        self._scaled = M * self._per_row[:, None]
-        self._per_own = 1.0 / np.tile(K.diagonal(), 2)
+        # Row i counts motion against its own axis with d_i = Kbar_ii, along it with low_i, all else with Kbar.
+        M, K = self._M, bound.matrix
+        M[:6, :6] = M[6:, 6:] = K
+        M[:6, 6:] = K
+        np.fill_diagonal(M[:6, 6:], bound.low)
+        M[6:, :6] = M[:6, 6:]
+        # Both kinds of rows as speeds: a general row divided by its largest element, a reserve row by its only one.
+        self._per_speed[0] = 1.0 / M.max(axis=1)
+        self._per_speed[1] = np.tile(1.0 / K.diagonal(), 2)
+        self._scaled = M * self._per_speed[0][:, None]
         self.qp.rows[:12, :12] = self._scaled
 
-    def _yield(self, state: LawInput, W: Array, eps: Array, dt: float) -> Array:
-        """Set y, scaled as a whole into the speed box; returns the caps (6,) of the rows."""
-        w = state.wrench.tolist()
-        wall = (state.limit + eps).tolist()
-        bound, speed, D = self.bound, self.box.speed, self.response_time
-        if not self.rounded:
-            y, cap = self._strict.step(w, wall, bound, speed, D, dt), W
-        else:
-            rho = self.parameters.yield_start
-            start, room = (rho * W).tolist(), ((1.0 - rho) * W).tolist()
-            y = self._rounded.step(w, wall, start, room, bound, speed, D, dt)
-            h = self._rounded.distance
-            left = _SHARE * max(0.0, 1.0 - sum(value * value for value in h))
-            # A_i = theta_i + X_i sqrt(h_i^2 + left/6): a box with rounded corners, V <= 1.
-            cap = np.array([start[i] + room[i] * math.sqrt(h[i] * h[i] + left) for i in range(6)])
+    def _yield(self, state: LawInput, dt: float) -> bool:
+        """Set y, scaled as a whole into the speed box; returns whether there is any."""
+        y = self._yielding.step(
+            state.wrench.tolist(), self.caps, self.bound, self.box.speed, self.response_time, dt
+        )
         if y is None:
             self._y[:] = 0.0
-            self._y_path[:] = 0.0
-            return cap
+            return False
         # The direction of y is what it is proven for: never bent by a limit, only shortened.
-        lower, upper = self.box.lower.tolist(), self.box.upper.tolist()
-        self._y[:] = scaled_into(y, [upper[i] if y[i] > 0.0 else -lower[i] for i in range(6)])
-        np.maximum(self._y, 0.0, out=self._y_path[:6])
-        np.maximum(-self._y, 0.0, out=self._y_path[6:])
-        return cap
+        reach = self.box.reach.tolist()
+        self._y[:] = scaled_into(y, [reach[6 + i] if y[i] > 0.0 else reach[i] for i in range(6)])
+        np.negative(self._y, out=self._y_speeds[:6])
+        self._y_speeds[6:] = self._y
+        np.maximum(self._y_speeds, 0.0, out=self._y_speeds)
+        return True
 
-    def _rows(self, state: LawInput, W: Array, eps: Array, cap: Array) -> bool:
-        """Right-hand sides of all rows and the upper bounds of p and q; returns whether a row has no room at all.
+    def _rows(self, state: LawInput, yields: bool) -> bool:
+        """Room of every row as a speed, and the upper bounds of q and p; returns whether a row has none at all.
 
-        ``T M [p; q] <= max(0, A - (+-w) - M (s + T [y+; y-]))``. The same rows with ``T + d + tau`` for T and without s
-        are the speed that can be kept up without ever being stopped by s; they only tighten the bound and make the
-        approach smooth. The second level keeps the reserve: ``T d_i q_i <= max(0, ... - rho_i)``.
+        ``T M [q; p] <= max(0, A - (+-w) - M (s + T y))``, and with the reserve ``T d_i q_i <= max(0, ... - rho_i)``.
+        The same with ``T + d + tau`` for T and without s is the speed that can be kept up without being stopped by s
+        later; taking the smaller of both only tightens the rows and makes an approach smooth.
         """
-        w, levels, now, steady = self._w, self._levels, self._now, self._steady
+        w, now, steady = self._w, self._now, self._steady
         w[:6] = state.wrench
         np.negative(state.wrench, out=w[6:])
-        self._cap[:6] = self._cap[6:] = cap
-        self._kept[:6] = self._kept[6:] = np.maximum(self.parameters.reserve * W, 3.0 * eps)
-        np.subtract(self._cap, w, out=levels[0])
-        np.subtract(levels[0], self._kept, out=levels[1])
-        path = self.travel.in_flight + self.parameters.period * self._y_path
-        np.subtract(levels, self._M @ path, out=now)
-        now *= self._scales[0]
-        np.multiply(levels, self._scales[1], out=steady)
+        levels = self.caps.levels
+        path = self.travel.in_flight
+        if yields:
+            path = path + self.parameters.period * self._y_speeds
+            if self.rounded:
+                levels = self.caps.levels_at(self._yielding.distance)
+        np.subtract(levels, w, out=steady)
+        np.subtract(steady, np.dot(self._M, path), out=now)
+        now /= self._times[0]
+        steady /= self._times[1]
         np.minimum(now, steady, out=now)
-        closed = float(now[0].min()) <= 0.0
+        closed = min(now[0].tolist()) <= 0.0
         np.maximum(now, 0.0, out=now)
-        np.multiply(now[0], self._per_row, out=self._room)
-        inward = now[1] * self._per_own
-        upper = self.qp.upper
-        # p_i lowers w_i: down_i; q_i raises it: up_i. The speed box leaves what y does not use.
-        upper[:6] = np.minimum(inward[6:], self.box.upper - self._y)
-        upper[6:12] = np.minimum(inward[:6], self._y - self.box.lower)
-        self._inward = inward
+        now *= self._per_speed
+        upper = self.qp.upper[:12]
+        if yields:  # the speed box leaves what y does not use; y against a direction frees none of it
+            np.subtract(self.box.reach, self._y_speeds, out=upper)
+            np.minimum(now[1], upper, out=upper)
+        else:
+            np.minimum(now[1], self.box.reach, out=upper)
         return closed
 
     def _solve(self, error: Array, length: float, yields: bool) -> Array:
-        """v = y + p - q; whatever the solver answers, the rows hold."""
-        qp, M, room, y = self.qp, self._scaled, self._room, self._y
-        self._used, self._pq = self._none, self._none
+        """Speeds q, p (12,) for which every row holds, whatever the solver answers."""
+        qp, room = self.qp, self._now[0]
         qp.right[:12] = room
         upper = qp.upper[:12]
-        np.maximum(upper, 0.0, out=upper)
-        shut = room < _CLOSED
-        if shut.any():
-            upper[(M[shut] > 0.0).any(axis=0)] = 0.0
+        if min(room.tolist()) < _CLOSED:
+            shut = room < _CLOSED
+            upper[(self._scaled[shut] > 0.0).any(axis=0)] = 0.0
             qp.right[:12][shut] = 1.0
         unit = self._unit_error(error, length)
-        qp.rows[_LYAPUNOV, :6] = unit
-        np.negative(unit, out=qp.rows[_LYAPUNOV, 6:12])
+        np.negative(unit, out=qp.rows[_LYAPUNOV, :6])
+        qp.rows[_LYAPUNOV, 6:12] = unit
         decrease = -0.5 * self.parameters.lyapunov_rate * length
         if yields:
-            # |y + p - q|^2 and e.(y + p - q), y given.
-            qp.cost[:6] = 2.0 * y
-            qp.cost[6:12] = -2.0 * y
-            decrease -= float(unit.dot(y))
+            # |y + p - q|^2 and e.(y + p - q) with y given.
+            np.multiply(self._y, -2.0, out=qp.cost[:6])
+            np.multiply(self._y, 2.0, out=qp.cost[6:12])
+            decrease -= float(unit.dot(self._y))
         else:
             qp.cost[:12] = 0.0
         qp.right[_LYAPUNOV] = decrease
         qp.cost[_GAMMA] = self.parameters.relaxation_weight * length
-        pq = np.minimum(qp.solve()[:12], upper)
-        np.maximum(pq, 0.0, out=pq)
-        used = M @ pq
-        # The feasible set is star-shaped about 0: shortening (p, q) until the rows hold keeps every one of them.
-        factor = 1.0
-        for use, have in zip(used.tolist(), room.tolist(), strict=True):
-            if use * factor > have:
-                factor = have / use
-        pq *= factor
-        self._used, self._pq = used * factor, pq
-        return y + pq[:6] - pq[6:]
+        speeds = np.minimum(qp.solve()[:12], upper)
+        np.maximum(speeds, 0.0, out=speeds)
+        used = np.dot(self._scaled, speeds)
+        np.subtract(room, used, out=self._slack)
+        if min(self._slack.tolist()) < 0.0:
+            # The feasible set is star-shaped about 0: shortening q and p until the rows hold keeps every one of them.
+            factor = min(
+                have / use for use, have in zip(used.tolist(), room.tolist(), strict=True) if use > have
+            )
+            speeds *= factor
+            np.subtract(room, factor * used, out=self._slack)
+        return speeds
 
-    def _active(self, state: LawInput, eps: Array) -> tuple[Array, bool]:
-        """Which wrench limits bound the motion (6,), and whether one does so under load rather than as a precaution."""
-        tight = (self._room - self._used) < TOLERANCE
-        tight[:6] |= self._pq[6:] > self._inward[:6] - TOLERANCE
-        tight[6:] |= self._pq[:6] > self._inward[6:] - TOLERANCE
+    def _active(self, state: LawInput, speeds: Array) -> tuple[Array, bool]:
+        """Which limits bound the motion (6,), and whether one does so under load rather than as a precaution."""
+        tight = np.minimum(self._slack, self._now[1] - speeds) < TOLERANCE
+        if not np.count_nonzero(tight):
+            return self._rest, False
         active = np.subtract(tight[:6], tight[6:], dtype=float)
-        return active, bool((active * state.wrench > eps).any())
+        return active, bool(np.count_nonzero(active * state.wrench > state.error_bound))

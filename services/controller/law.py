@@ -1,7 +1,7 @@
 """What the three laws share: their inputs and outputs, the problem they solve, and how a tick ends safely.
 
-All of them minimise ``|v|^2 + k gamma`` subject to ``e . v <= -(lambda/2)|e|^2 + gamma`` (Dawson et al., Eq. (9)), where
-``e`` is the pose error and ``v`` the tool twist. They differ in their bounds on ``v`` alone.
+All of them minimise ``|v|^2 + k gamma`` subject to ``e . v <= -(lambda/2)|e|^2 + gamma`` (Dawson et al., Eq. (9)),
+where ``e`` is the pose error and ``v`` the tool twist. They differ in their bounds on ``v`` alone.
 """
 
 from __future__ import annotations
@@ -19,8 +19,6 @@ from services.controller.speed import SpeedBox
 from services.controller.travel import Travel
 from shared.spatial import Array, pose_error
 
-AXES = ("x", "y", "z", "about x", "about y", "about z")
-_UNITS = ("N", "N", "N", "Nm", "Nm", "Nm")
 _AT_TARGET = 1e-9
 """Pose error [m, rad] below which the target is reached and the Lyapunov row says nothing."""
 
@@ -49,15 +47,6 @@ class LawInput:
     target_rotation: Array
     nominal: Array = field(default_factory=lambda: np.zeros(6))
 
-    @property
-    def finite(self) -> bool:
-        """Whether every number is finite, and small enough to be squared."""
-        parts = (self.wrench, self.limit, self.error_bound, self.position, self.target_position, self.nominal)
-        total = sum(float(part.dot(part)) for part in parts)
-        return math.isfinite(
-            total + float(np.vdot(self.rotation, self.rotation)) + float(np.vdot(self.target_rotation, self.target_rotation))
-        )
-
 
 @dataclass(slots=True)
 class LawOutput:
@@ -80,16 +69,6 @@ class LawOutput:
     failure: str | None = None
 
 
-@dataclass(slots=True)
-class Motion:
-    """A law's answer before it is scaled into the speed limits: twist (6,), active (6,), and whether it yields."""
-
-    twist: Array
-    active: Array
-    yielding: bool = False
-    failure: str | None = None
-
-
 class Law(ABC):
     """One control law. Every call of ``step`` or ``brake`` must be followed by its twist being commanded.
 
@@ -105,15 +84,14 @@ class Law(ABC):
         self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None
     ) -> None:
         self.parameters = parameters
-        self.timer = timer
+        self.box = SpeedBox(parameters)
+        self.last_failure: dict[str, Any] | None = None
         if previous is None:
             self.travel = Travel(parameters.period, parameters.delay, parameters.lag)
-            self.box = SpeedBox(parameters)
         else:
-            self.travel, self.box = previous.travel, previous.box
+            self.last_failure = previous.last_failure
+            self.travel = previous.travel
             self.travel.configure(parameters.period, parameters.delay, parameters.lag)
-            self.box.configure(parameters)
-        self.last_failure: dict[str, Any] | None = None if previous is None else previous.last_failure
         self._rest = np.zeros(6)
 
     @property
@@ -129,42 +107,37 @@ class Law(ABC):
         """
         dt = dt if 0.0 <= dt < math.inf else 0.0
         self.travel.advance(dt)
-        refusal = self._refusal(state)
-        if refusal is not None:
-            return self._finish(Motion(self._rest, self._rest, failure=refusal))
-        self.box.update(state.rotation, dt)
         error = pose_error(state.position, state.rotation, state.target_position, state.target_rotation)
-        length = math.sqrt(float(error.dot(error)))
-        motion = self._move(state, error, length, dt)
-        return self._finish(motion, error, length)
+        square = float(error.dot(error))
+        wrenches = (state.wrench, state.limit, state.error_bound, state.nominal)
+        if not math.isfinite(square + sum(float(wrench.dot(wrench)) for wrench in wrenches)):
+            return self._finish(LawOutput(self._rest, self._rest, failure="an input is not finite"))
+        self.box.update(state.rotation, self.travel.speeds, dt)
+        output = self._move(state, error, math.sqrt(square), dt)
+        output.lyapunov = 0.5 * square
+        return self._finish(output, error)
 
     def brake(self, dt: float) -> None:
         """Account for a command of zero, ``dt`` [s] after the last call."""
         self.travel.advance(dt)
         self.travel.command(self._rest)
-        self.box.sent(self._rest)
 
     @abstractmethod
-    def _move(self, state: LawInput, error: Array, length: float, dt: float) -> Motion:
-        """The law's own part; ``error`` (6,) with norm ``length``."""
-
-    def _refusal(self, state: LawInput) -> str | None:
-        return None if state.finite else "an input is not finite"
+    def _move(self, state: LawInput, error: Array, length: float, dt: float) -> LawOutput:
+        """The law's own part: a twist within the speed box; ``error`` (6,) has the norm ``length``."""
 
     def _recorded(self, failure: QpFailure) -> str:
         self.last_failure = {"reason": failure.reason, **failure.problem}
         return failure.reason
 
-    def _finish(self, motion: Motion, error: Array | None = None, length: float = 0.0) -> LawOutput:
-        twist = self.box.shortened(motion.twist)
+    def _finish(self, output: LawOutput, error: Array | None = None) -> LawOutput:
+        twist = self.box.shortened(output.twist)
         if not math.isfinite(float(twist.dot(twist))):
-            motion = Motion(self._rest, self._rest, failure="the twist is not finite")
             twist = self._rest
+            output = LawOutput(twist, self._rest, failure="the twist is not finite")
         self.travel.command(twist)
-        self.box.sent(twist)
-        output = LawOutput(twist.copy(), motion.active, yielding=motion.yielding, failure=motion.failure)
+        output.twist = twist.copy()
         if error is not None:
-            output.lyapunov = 0.5 * length * length
             rate = float(error.dot(twist)) + self.parameters.lyapunov_rate * output.lyapunov
             output.relaxation = max(0.0, rate)
         return output
@@ -172,16 +145,3 @@ class Law(ABC):
     def _unit_error(self, error: Array, length: float) -> Array:
         """``e/|e|``: the Lyapunov row divided by the error's norm, which makes it a speed like all other rows."""
         return error / length if length > _AT_TARGET else self._rest
-
-
-def narrow_limit(limit: Array, error_bound: Array) -> str | None:
-    """Why the limits (6,) cannot be kept with such errors (6,), or None: what is left must exceed twice the error."""
-    left = (limit - 3.0 * error_bound).tolist()
-    if min(left) > 0.0:
-        return None
-    axis = min(range(6), key=lambda i: limit[i] / (error_bound[i] + 1e-300))
-    unit = _UNITS[axis]
-    return (
-        f"the limit {limit[axis]:g} {unit} {AXES[axis]} is not above three times its error bound "
-        f"{error_bound[axis]:g} {unit}: raise the limit, tare the sensor or lower its noise"
-    )

@@ -42,37 +42,75 @@ class ControllerParameters(Parameters):
         doc="k; caps the pull to the target: the free tool converges with min(k, lambda)/2 per second",
     )
     barrier_rate: Vector6 = parameter(
-        (1.0,) * 6, unit="1/s per N/m, Nm/rad", minimum=1e-4, maximum=1e3, doc="alpha of the law paper, per axis"
+        (1.0,) * 6,
+        unit="1/s per N/m, Nm/rad",
+        minimum=1e-4,
+        maximum=1e3,
+        doc="alpha of the law paper, per axis",
     )
     contact_stiffness: float = parameter(
         500.0, unit="N/m", minimum=1.0, maximum=1e7, doc="kappa, largest stiffness, sum over all contacts"
     )
     contact_reach: Vector3 = parameter(
-        (1.2, 0.3, 0.05), unit="m", minimum=1e-3, maximum=5.0, doc="farthest contact from the tool origin, tool axes"
+        (1.2, 0.3, 0.05),
+        unit="m",
+        minimum=1e-3,
+        maximum=5.0,
+        doc="farthest contact from the tool origin, tool axes",
     )
-    contact_friction: float = parameter(0.0, unit="1", minimum=0.0, maximum=2.0, doc="mu of contacts that slip")
+    contact_friction: float = parameter(
+        0.0, unit="1", minimum=0.0, maximum=2.0, doc="mu of contacts that slip"
+    )
     zones: tuple[Zone, ...] = Field(default=(), description="further contact zones, their stiffness adds up")
     reserve: float = parameter(
-        0.1, unit="1", minimum=0.0, maximum=0.5, doc="share of the limit that pressing leaves for sliding and retreat"
+        0.1,
+        unit="1",
+        minimum=0.0,
+        maximum=0.5,
+        doc="share of the limit that pressing leaves for sliding and retreat",
     )
     yield_start: float = parameter(
-        1.0, unit="1", minimum=0.5, maximum=1.0, doc="share of the limit where yielding begins; 1 = only beyond it"
+        1.0,
+        unit="1",
+        minimum=0.5,
+        maximum=1.0,
+        doc="share of the limit where yielding begins; 1 = only beyond it",
     )
     period: float = parameter(
-        0.02, unit="s", minimum=1e-3, maximum=LARGEST_TTL, doc="T, longest time one command acts; sent as its ttl"
+        0.02,
+        unit="s",
+        minimum=1e-3,
+        maximum=LARGEST_TTL,
+        doc="T, longest time one command acts; sent as its ttl",
     )
     delay: float = parameter(
-        0.02, unit="s", minimum=0.0, maximum=0.1, doc="d, from contact to sample plus from command to motion, at most"
+        0.02,
+        unit="s",
+        minimum=0.0,
+        maximum=0.1,
+        doc="d, from contact to sample plus from command to motion, at most",
     )
     lag: float = parameter(0.02, unit="s", minimum=0.0, maximum=0.5, doc="tau, lag of the robot's motion")
     payload_mass: float = parameter(
-        0.0, unit="kg", minimum=0.0, maximum=20.0, doc="mass beyond the sensor; times max_acceleration it is no contact"
+        0.0,
+        unit="kg",
+        minimum=0.0,
+        maximum=20.0,
+        doc="mass beyond the sensor; times max_acceleration it is no contact",
     )
     spring_stiffness: Vector6 = parameter(
-        (40.0, 40.0, 40.0, 10.0, 10.0, 10.0), unit="N/m, Nm/rad", minimum=1e-2, maximum=1e5, doc="of the law stiffness"
+        (40.0, 40.0, 40.0, 10.0, 10.0, 10.0),
+        unit="N/m, Nm/rad",
+        minimum=1e-2,
+        maximum=1e5,
+        doc="of the law stiffness",
     )
-    max_linear: float = parameter(0.25, unit="m/s", minimum=1e-3, maximum=1.0, doc="largest speed of the tool origin")
-    max_angular: float = parameter(0.5, unit="rad/s", minimum=1e-3, maximum=3.0, doc="largest turning rate of the tool")
+    max_linear: float = parameter(
+        0.25, unit="m/s", minimum=1e-3, maximum=1.0, doc="largest speed of the tool origin"
+    )
+    max_angular: float = parameter(
+        0.5, unit="rad/s", minimum=1e-3, maximum=3.0, doc="largest turning rate of the tool"
+    )
     max_acceleration: Vector6 = parameter(
         (2.0, 2.0, 2.0, 2.5, 2.5, 2.5),
         unit="m/s2, rad/s2",

@@ -52,12 +52,12 @@ class Qp:
         time_limit: [s] after which an answer is too old to be used.
     """
 
-    def __init__(self, weight: Array, rows: int, timer: Timer = no_timer, time_limit: float = math.inf) -> None:
+    def __init__(
+        self, weight: Array, rows: int, timer: Timer = no_timer, time_limit: float = math.inf
+    ) -> None:
         n, m = len(weight), rows
         self._data = np.zeros(n + m + 2 * n + m * n)
-        self.cost, self.right, self.lower, self.upper, flat = np.split(
-            self._data, np.cumsum((n, m, n, n))
-        )
+        self.cost, self.right, self.lower, self.upper, flat = np.split(self._data, np.cumsum((n, m, n, n)))
         self.rows = flat.reshape((m, n), order="F")
         self.upper[:] = UNBOUNDED
         self.time_limit = time_limit
@@ -65,6 +65,8 @@ class Qp:
         self._timer = timer
         self._quadratic = np.asfortranarray(np.diag(2.0 * np.asarray(weight)))
         self._unbounded_below = np.full(m, -UNBOUNDED)
+        self._excess = np.zeros(m + 2 * n)
+        self._row_excess, self._lower_excess, self._upper_excess = np.split(self._excess, (m, m + n))
         self._solver = self._new_solver()
 
     def _new_solver(self) -> piqp.DenseSolver:
@@ -73,7 +75,15 @@ class Qp:
         solver.settings.eps_rel = 0.0
         solver.settings.max_iter = MOST_ITERATIONS
         solver.setup(
-            self._quadratic, self.cost, None, None, self.rows, self._unbounded_below, self.right, self.lower, self.upper
+            self._quadratic,
+            self.cost,
+            None,
+            None,
+            self.rows,
+            self._unbounded_below,
+            self.right,
+            self.lower,
+            self.upper,
         )
         return solver
 
@@ -93,12 +103,16 @@ class Qp:
         if status != piqp.PIQP_SOLVED:
             raise self._failure(f"the solver stopped with {getattr(status, 'name', status)}", x)
         if elapsed > self.time_limit:
-            raise self._failure(f"it took {elapsed * 1e3:.1f} ms, allowed are {self.time_limit * 1e3:.1f} ms", x)
+            raise self._failure(
+                f"it took {elapsed * 1e3:.1f} ms, allowed are {self.time_limit * 1e3:.1f} ms", x
+            )
         if not math.isfinite(x.dot(x)):
             raise self._failure("the solver's answer is not finite", x)
-        worst = max(
-            float((self.rows @ x - self.right).max()), float((self.lower - x).max()), float((x - self.upper).max())
-        )
+        np.dot(self.rows, x, out=self._row_excess)
+        self._row_excess -= self.right
+        np.subtract(self.lower, x, out=self._lower_excess)
+        np.subtract(x, self.upper, out=self._upper_excess)
+        worst = max(self._excess.tolist())  # finite by now, and faster than an array's maximum
         if worst > TOLERANCE:
             raise self._failure(f"the solver's answer breaks a constraint by {worst:.1e}", x)
         return x

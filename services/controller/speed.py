@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from services.controller.parameters import ControllerParameters
 from shared.spatial import Array
 
-_TURN = 0.002
-"""Rotation [rad] up to which the acceleration limits of the last attitude are kept."""
+_TURN = 0.01
+"""Rotation [rad] up to which the acceleration limits of the last attitude are kept, with a margin for it."""
 
 
-def rotated_limits(rotation: Array, limits: tuple[float, float, float]) -> list[float]:
+def rotated_limits(rotation: Array, limits: Sequence[float]) -> list[float]:
     """Half-widths (3,) of a box in base axes that lies within the box ``limits`` (3,) of the tool axes.
 
     Continuous in the rotation and exact where the axes coincide; at worst (diagonal) smaller by sqrt(3).
@@ -25,50 +26,47 @@ def rotated_limits(rotation: Array, limits: tuple[float, float, float]) -> list[
 
 
 class SpeedBox:
-    """The box ``lower <= v <= upper`` (6,) [m/s, rad/s] in base axes, which always contains 0.
+    """The box ``-reach[:6] <= v <= reach[6:]`` in base axes, which always contains 0.
 
     Speeding up is limited, slowing down never is: from the last command the box reaches to zero and, by
     ``max_acceleration`` times the interval, beyond it.
 
     Attributes:
-        lower: (6,), not positive.
-        upper: (6,), not negative.
+        reach: (12,) largest speeds [m/s, rad/s] in the twelve directions (see ``Travel``).
         speed: (6,), the speed limits alone.
         inertial_force: (6,) [N, 0] that accelerating the payload can add to the measured wrench.
     """
 
     def __init__(self, parameters: ControllerParameters) -> None:
-        self.lower = np.zeros(6)
-        self.upper = np.zeros(6)
-        self.inertial_force = np.zeros(6)
-        self._acceleration = np.zeros(6)
-        self._previous = np.zeros(6)
+        self.reach = np.zeros(12)
+        self._acceleration = np.zeros(12)
         self.configure(parameters)
 
     def configure(self, parameters: ControllerParameters) -> None:
-        """Take over changed limits; the last command stays what it was."""
+        """Take over changed limits."""
         self._linear, self._angular = parameters.max_linear, parameters.max_angular
         self.speed = [self._linear] * 3 + [self._angular] * 3
-        self._speed = np.array(self.speed)
+        self._speed = np.array(self.speed * 2)
         self._limits = parameters.max_acceleration
         self._payload = parameters.payload_mass
         self._period = parameters.period
         self._rotation = np.full((3, 3), np.inf)
+        self.inertial_force = np.zeros(6)
 
-    def update(self, rotation: Array, dt: float) -> None:
-        """The box for a tool attitude (3, 3), ``dt`` [s] after the last command."""
+    def update(self, rotation: Array, speeds: Array, dt: float) -> None:
+        """The box for a tool attitude (3, 3).
+
+        Args:
+            rotation: (3, 3), tool to base.
+            speeds: (12,) of the command that acts until now.
+            dt: [s] since the last command.
+        """
         difference = rotation - self._rotation
         if not float(np.vdot(difference, difference)) < _TURN**2:
             self._turn_to(rotation)
-        if dt > self._period:  # the robot has zeroed the last command meanwhile
-            self._previous[:] = 0.0
-        gain = self._acceleration * min(dt, self._period)
-        np.maximum(self._previous, 0.0, out=self.upper)
-        self.upper += gain
-        np.minimum(self.upper, self._speed, out=self.upper)
-        np.minimum(self._previous, 0.0, out=self.lower)
-        self.lower -= gain
-        np.maximum(self.lower, -self._speed, out=self.lower)
+        np.multiply(self._acceleration, min(dt, self._period), out=self.reach)
+        self.reach += speeds
+        np.minimum(self.reach, self._speed, out=self.reach)
 
     def _turn_to(self, rotation: Array) -> None:
         self._rotation = rotation.copy()
@@ -77,11 +75,12 @@ class SpeedBox:
             # Keeps the box inside the tool's for every attitude closer than _TURN.
             safety = 1.0 + 2.0 * math.sqrt(3.0) * _TURN * max(limits) / min(limits)
             self._acceleration[part] = [width / safety for width in rotated_limits(rotation, limits)]
-        self.inertial_force[:3] = self._payload * (np.abs(rotation) @ self._limits[:3])
-
-    def sent(self, twist: Array) -> None:
-        """Record the twist (6,) that is commanded now."""
-        self._previous[:] = twist
+        self._acceleration[6:] = self._acceleration[:6]
+        force = np.zeros(6)
+        force[:3] = self._payload * (
+            np.abs(rotation) @ self._limits[:3] + _TURN * max(self._limits[:3]) * math.sqrt(3.0)
+        )
+        self.inertial_force = force
 
     def shortened(self, twist: Array) -> Array:
         """The twist, scaled as a whole until its linear and angular norms are within the limits.

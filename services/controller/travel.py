@@ -22,19 +22,23 @@ class Travel:
     lost; certain is only that none acts for longer than T. So every instant is counted with the largest of the
     commands that may be acting (docs/guarantee.md, "Travel in flight").
 
+    Twelve directions, here and wherever a vector has twelve elements: first the motions along -x, -y, -z and about
+    them, which make the wrench's axis grow, then those along +x, +y, +z and about them, which make it fall.
+
     Args:
         period: T [s], longest time that one command acts.
         delay: d [s], sensor latency plus command delay, upper bound.
         lag: tau [s] of the robot's response.
 
     Attributes:
-        in_flight: (12,) travel [m, rad] in the + senses, then in the - senses.
+        in_flight: (12,) travel [m, rad] in the twelve directions.
+        speeds: (12,) last command [m/s, rad/s] in the twelve directions, each >= 0.
     """
 
     def __init__(self, period: float, delay: float, lag: float) -> None:
         self.period, self.delay, self.lag = period, delay, lag
         self.in_flight = np.zeros(12)
-        self._command = np.zeros(12)
+        self.speeds = np.zeros(12)
         # Segments of time, the newest last: what was sent in each, and the largest that may have acted instead.
         self._sent = np.zeros((_ROWS, 12))
         self._acting = np.zeros((_ROWS, 12))
@@ -50,43 +54,46 @@ class Travel:
         """Let ``dt`` [s] pass since the last command; returns the travel in flight (12,), owned by this object."""
         if dt > 0.0:
             held = min(dt, self.period)
-            self._push(held, self._command)
+            self._push(held)
             if dt > held:  # the robot zeroes a command that is older than T
-                self._command[:] = 0.0
-                self._push(dt - held, self._command)
+                self.speeds[:] = 0.0
+                self._push(dt - held)
             self._tail *= math.exp(-dt / self.lag) if self.lag > 0.0 else 0.0
         self._weigh()
         return self.in_flight
 
     def command(self, twist: Array) -> None:
         """Record the twist (6,) [m/s, rad/s] that is sent now."""
-        np.maximum(twist, 0.0, out=self._command[:6])
-        np.negative(twist, out=self._command[6:])
-        np.maximum(self._command, 0.0, out=self._command)
+        speeds, durations = self.speeds, self._durations
+        np.negative(twist, out=speeds[:6])
+        speeds[6:] = twist
+        np.maximum(speeds, 0.0, out=speeds)
         # It may act early, in place of earlier ones, by the spread of the delay: at most T less the interval.
-        row = self._first + len(self._durations)
-        early = self.period - (self._durations[-1] if self._durations else 0.0)
-        for duration in reversed(self._durations):
-            if early < _INSTANT:
-                break
+        row = self._first + len(durations)
+        early = self.period - (durations[-1] if durations else 0.0)
+        while early > _INSTANT and row > self._first:
             row -= 1
-            np.maximum(self._acting[row], self._command, out=self._acting[row])
-            early -= duration
+            np.maximum(self._acting[row], speeds, out=self._acting[row])
+            early -= durations[row - self._first]
 
-    def _push(self, duration: float, speeds: Array) -> None:
-        row = self._first + len(self._durations)
+    def _push(self, duration: float) -> None:
+        durations = self._durations
+        row = self._first + len(durations)
         if row == _ROWS:
             row = self._compact()
-        self._sent[row] = self._acting[row] = speeds
+        self._sent[row] = self.speeds
+        acting = self._acting[row]
+        acting[:] = self.speeds
         # An earlier command may still act, as long as it is not older than T.
-        age = 0.0
-        for back, earlier in enumerate(reversed(self._durations), start=1):
-            age += earlier
+        age, back = 0.0, row - self._first
+        while back > 0:
+            back -= 1
+            age += durations[back]
             if age > self.period - _INSTANT:
                 break
-            np.maximum(self._acting[row], self._sent[row - back], out=self._acting[row])
-        self._durations.append(duration)
-        if len(self._durations) > _MOST_SEGMENTS:
+            np.maximum(acting, self._sent[self._first + back], out=acting)
+        durations.append(duration)
+        if len(durations) > _MOST_SEGMENTS:
             self._merge_oldest()
 
     def _compact(self) -> int:
@@ -106,23 +113,23 @@ class Travel:
 
     def _weigh(self) -> None:
         """``s = sum over segments of speed * integral of the share that is still to act``."""
-        d, tau = self.delay, self.lag
-        weights: list[float] = []
-        age = passed = 0.0
+        d, tau, durations = self.delay, self.lag, self._durations
+        weights = [0.0] * len(durations)
         keep = max(d, self.period)
+        age = passed = 0.0
         old = 0
-        for duration in reversed(self._durations):
-            old += age >= keep
-            age += duration
+        for index in range(len(durations) - 1, -1, -1):
+            if age >= keep:
+                old += 1
+            age += durations[index]
             # Integral of the share from age 0: 1 up to d, exp(-(a - d)/tau) beyond.
             until = age if age <= d else d + (tau * (1.0 - math.exp((d - age) / tau)) if tau > 0.0 else 0.0)
-            weights.append(until - passed)
+            weights[index] = until - passed
             passed = until
-        weights.reverse()
-        for _ in range(old):  # wholly acted but for the lag, whose exponential the tail continues exactly
-            self._tail += weights.pop(0) * self._acting[self._first]
-            self._durations.pop(0)
-            self._first += 1
-        end = self._first + len(weights)
-        np.dot(weights, self._acting[self._first : end], out=self.in_flight)
+        for index in range(old):  # acted but for the lag, whose exponential the tail continues exactly
+            self._tail += weights[index] * self._acting[self._first + index]
+        if old:
+            del durations[:old], weights[:old]
+            self._first += old
+        np.dot(weights, self._acting[self._first : self._first + len(weights)], out=self.in_flight)
         self.in_flight += self._tail

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from services.controller.caps import Caps
 from services.controller.contact import StiffnessBound
 
 _STOPPED = 1e-7
@@ -62,21 +63,28 @@ class StrictYield:
         self._integral = _Integral()
 
     def step(
-        self, wrench: Vector, wall: Vector, bound: StiffnessBound, speed: Vector, response_time: float, dt: float
+        self,
+        wrench: Vector,
+        caps: Caps,
+        bound: StiffnessBound,
+        speed: Vector,
+        response_time: float,
+        dt: float,
     ) -> list[float] | None:
         """Yielding velocity (6,) [m/s, rad/s], or None if there is none.
 
-        ``y_i = sign(w_i) excess_i / (x_i sum_{j over} (Kbar_ij / x_j) D)`` with ``x_i = sqrt(Kbar_ii)``, which makes the
-        sum of N/m and N/rad independent of the units.
+        ``y_i = sign(w_i) excess_i / (x_i sum_{j over} (Kbar_ij / x_j) D)`` with ``x_i = sqrt(Kbar_ii)``, which makes
+        the sum of N/m and N/rad independent of the units.
 
         Args:
             wrench: w (6,) [N, Nm].
-            wall: wbar + eps (6,): a smaller measured wrench may still be within the limit.
+            caps: yields from ``caps.wall``, wbar + eps: a smaller measured wrench may still be within the limit.
             bound: Kbar.
             speed: (6,) [m/s, rad/s] that the integral saturates at.
             response_time: D [s].
             dt: [s] since the last step.
         """
+        wall = caps.wall
         over = [i for i in range(6) if abs(wrench[i]) > wall[i]]
         if not over and self._integral.at_rest:
             return None
@@ -103,9 +111,7 @@ class RoundedYield:
     def step(
         self,
         wrench: Vector,
-        wall: Vector,
-        start: Vector,
-        room: Vector,
+        caps: Caps,
         bound: StiffnessBound,
         speed: Vector,
         response_time: float,
@@ -113,43 +119,35 @@ class RoundedYield:
     ) -> list[float] | None:
         """Yielding velocity (6,) [m/s, rad/s], or None if there is none.
 
-        ``y_i = sign(w_i) h_i / (X_i lambda_P D)``, lambda_P the largest eigenvalue of ``X^-1 K X^-1`` that a contact can
-        have on the axes P beyond their thresholds, or that would be carried beyond them by y.
+        ``y_i = sign(w_i) h_i / (X_i lambda_P D)``, lambda_P the largest eigenvalue of ``X^-1 K X^-1`` that a contact
+        can have on the axes P beyond their thresholds, or that would be carried beyond them by y.
 
         Args:
             wrench: w (6,) [N, Nm].
-            wall: wbar + eps (6,).
-            start: theta (6,) [N, Nm], threshold.
-            room: X (6,) [N, Nm], from the threshold to the capped limit.
+            caps: threshold theta, room X above it, and the wall beyond which the strict form's yielding takes over.
             bound: Kbar.
             speed: (6,) [m/s, rad/s] that the integrals saturate at.
             response_time: D [s].
             dt: [s] since the last step.
         """
-        h = [max(0.0, abs(wrench[i]) - start[i]) / room[i] for i in range(6)]
+        h = [max(0.0, abs(wrench[i]) - caps.start[i]) / caps.room[i] for i in range(6)]
         self.distance = h
-        beyond = self._beyond.step(wrench, wall, bound, speed, response_time, dt)
+        beyond = self._beyond.step(wrench, caps, bound, speed, response_time, dt)
         pressed = [i for i in range(6) if h[i] > 0.0]
         if not pressed and beyond is None and self._integral.at_rest:
             return None
-        y = self._down_the_gradient(pressed, wrench, start, room, bound, response_time)
+        y = self._down_the_gradient(pressed, wrench, caps, bound, response_time)
         y = self._integral.add(y, wrench, speed, response_time, dt)
         if beyond is not None:
             y = [max(pair, key=abs) for pair in zip(y, beyond, strict=True)]
         return y
 
     def _down_the_gradient(
-        self,
-        pressed: list[int],
-        wrench: Vector,
-        start: Vector,
-        room: Vector,
-        bound: StiffnessBound,
-        response_time: float,
+        self, pressed: list[int], wrench: Vector, caps: Caps, bound: StiffnessBound, response_time: float
     ) -> list[float]:
-        y = [0.0] * 6
         if not pressed:
-            return y
+            return [0.0] * 6
+        start, room = caps.start, caps.room
         slope = [math.copysign(self.distance[i] / room[i], wrench[i]) for i in range(6)]
         joined = list(pressed)
         while True:
@@ -159,7 +157,8 @@ class RoundedYield:
                 j
                 for j in range(6)
                 if j not in joined
-                and response_time * sum(bound.rows[j][i] * abs(y[i]) for i in pressed) > start[j] - abs(wrench[j])
+                and response_time * sum(bound.rows[j][i] * abs(y[i]) for i in pressed)
+                > start[j] - abs(wrench[j])
             ]
             if not turned:
                 return y
@@ -176,13 +175,17 @@ def largest_stiffness(bound: StiffnessBound, axes: Sequence[int], room: Vector) 
     ax, ay, az, bx, by, bz = weight
     total = 0.0
     for zone, (x, y, z) in zip(bound.zones, bound.reaches, strict=True):
-        total += zone.stiffness * zone.amplification * _largest_eigenvalue(
-            ax + by * z * z + bz * y * y,
-            ay + bx * z * z + bz * x * x,
-            az + bx * y * y + by * x * x,
-            -bz * x * y,
-            -by * x * z,
-            -bx * y * z,
+        total += (
+            zone.stiffness
+            * zone.amplification
+            * _largest_eigenvalue(
+                ax + by * z * z + bz * y * y,
+                ay + bx * z * z + bz * x * x,
+                az + bx * y * y + by * x * x,
+                -bz * x * y,
+                -by * x * z,
+                -bx * y * z,
+            )
         )
     G = bound.geometric_rows
     return total + max(sum(G[i][j] / room[j] for j in axes) / room[i] for i in axes)

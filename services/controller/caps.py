@@ -1,0 +1,85 @@
+"""What the limits leave of each axis: caps, thresholds and reserve, recomputed only when a limit or an error changes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from shared.spatial import Array
+
+AXES = ("x", "y", "z", "about x", "about y", "about z")
+_UNITS = ("N", "N", "N", "Nm", "Nm", "Nm")
+_SHARE = 1.0 / 6.0
+"""Share of what is left of V <= 1 that each axis may use in one command (rounded form)."""
+
+
+class Caps:
+    """Caps of the twelve rows for limits ``wbar`` and error bounds ``eps``.
+
+    Args:
+        reserve: share of the limit that pressing leaves.
+        yield_start: rho, share of the limit where yielding begins; 1 = strict.
+
+    Attributes:
+        refusal: why the limits cannot be kept, or None.
+        wall: wbar + eps (6,): what a measured wrench exceeds only if the limit is exceeded.
+        start: theta = rho W (6,) with ``W = wbar - eps``.
+        room: X = W - theta (6,).
+        levels: (2, 12) caps of the twelve rows, without and with the reserve, as long as nothing yields.
+    """
+
+    def __init__(self, reserve: float, yield_start: float) -> None:
+        self._reserve, self._rho = reserve, yield_start
+        self._given: tuple[list[float], list[float]] | None = None
+        self.refusal: str | None = None
+        self.wall = self.start = self.room = [0.0] * 6
+        self.levels = np.zeros((2, 12))
+        self._levels_beyond = np.zeros((2, 12))
+        self._kept = np.zeros(12)
+
+    def update(self, limit: Array, error_bound: Array) -> None:
+        """Take limits (6,) and error bounds (6,) [N, Nm], both finite."""
+        given = (limit.tolist(), error_bound.tolist())
+        if given == self._given:
+            return
+        self._given = given
+        self.refusal = _refusal(*given)
+        if self.refusal is not None:
+            return
+        W = limit - error_bound
+        self.wall = (limit + error_bound).tolist()
+        self.start = (self._rho * W).tolist()
+        self.room = ((1.0 - self._rho) * W).tolist()
+        # rho_i = max(reserve W_i, 3 eps_i): a smaller one would vanish in the measurement's error.
+        self._kept = np.tile(np.maximum(self._reserve * W, 3.0 * error_bound), 2)
+        self._fill(self.levels, self.rounded([0.0] * 6) if self._rho < 1.0 else W.tolist())
+
+    def rounded(self, h: list[float]) -> list[float]:
+        """Caps (6,) ``A_i = theta_i + X_i sqrt(h_i^2 + left/6)``, ``left = max(0, 1 - |h|^2)``: rounded corners, V <= 1."""
+        left = _SHARE * max(0.0, 1.0 - sum(value * value for value in h))
+        return [
+            start + room * math.sqrt(value * value + left)
+            for start, room, value in zip(self.start, self.room, h, strict=True)
+        ]
+
+    def levels_at(self, h: list[float]) -> Array:
+        """The levels (2, 12) of the rounded form while axes are beyond their thresholds by ``h`` (6,)."""
+        return self._fill(self._levels_beyond, self.rounded(h))
+
+    def _fill(self, levels: Array, cap: list[float]) -> Array:
+        levels[0] = cap + cap
+        np.subtract(levels[0], self._kept, out=levels[1])
+        return levels
+
+
+def _refusal(limit: list[float], error_bound: list[float]) -> str | None:
+    """Why such limits cannot be kept: what an error leaves of them must exceed twice the error."""
+    for axis in range(6):
+        if not (error_bound[axis] >= 0.0 and limit[axis] - error_bound[axis] > 2.0 * error_bound[axis]):
+            unit = _UNITS[axis]
+            return (
+                f"the limit {limit[axis]:g} {unit} {AXES[axis]} is not above three times its error bound "
+                f"{error_bound[axis]:.3g} {unit}: raise the limit, tare the sensor or lower its noise"
+            )
+    return None
