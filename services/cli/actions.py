@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from typing import Annotated
 
+import numpy as np
 import typer
 
 from services.cli.ask import ask
@@ -117,10 +118,10 @@ def make_target(pose: list[float], force: list[float], torque: list[float]) -> C
         refuse(f"a pose has six numbers (x y z roll pitch yaw), got {len(pose)}")
     try:
         return ControlTarget(
-            position=pose[:3],
+            position=np.array(pose[:3]),
             orientation=quaternion_from_rpy(*pose[3:]),
-            force_limit=force,
-            torque_limit=torque,
+            force_limit=np.array(force),
+            torque_limit=np.array(torque),
         )
     except InvalidField as problem:
         refuse(str(problem))

@@ -38,7 +38,7 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
         console.print(f"robot {robot} on {connect}", style="bold", highlight=False)
         console.print(services_table(rows, {}))
         for line in summary(watch):
-            console.print(line)
+            console.print(line, soft_wrap=True)
         robot_text, robot_ok = robot_line(watch.message(topics.STATE_ROBOT))
         control_text, control_ok = control_line(watch.message(topics.CONTROL_STATUS))
     wrong = [f"{row.service} is {row.state}: {row.detail}" for row in rows if not row.ok]
@@ -48,8 +48,8 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
     if not wrong:
         console.print("everything works", style="green")
         return
-    for line in wrong:
-        console.print(f"wrong: {line}", style="red", highlight=False)
+    for reason in wrong:
+        console.print(f"wrong: {reason}", style="red", highlight=False, soft_wrap=True)
     raise typer.Exit(1)
 
 

@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -34,6 +35,7 @@ from services.cli.view import stack_view
 from services.cli.watch import Watch
 
 REFRESH = 0.25  # [s]
+SPEAKS_WITHIN = 10.0  # [s] for a process to say the first word
 
 Router = Annotated[
     str,
@@ -137,19 +139,21 @@ def _log(stack: Stack, watch: Watch, stop: threading.Event, head: str) -> None:
 def _rows(stack: Stack, watch: Watch) -> list[Row]:
     router = stack.processes.get(ROUTER)
     rows = diagnose.rows(watch.living(), watch.health(), SERVICES)
-    rows = [_during_start(row, stack.processes.get(row.service)) for row in rows]
+    rows = [_with_process(row, stack.processes.get(row.service)) for row in rows]
     if router is not None:
         up = router.status is None
-        remedy = "" if up else f"{router.how_it_ended()}; start it again with: tandem start {ROUTER}"
-        rows.insert(0, Row(ROUTER, "ok" if up else "lost", remedy, up))
+        rows.insert(0, _with_process(Row(ROUTER, "ok" if up else "lost", "", up), router))
     return rows
 
 
-def _during_start(row: Row, child: Child | None) -> Row:
-    """A process that has just been started is not lost because it has not spoken yet."""
-    young = child is not None and child.status is None and time.monotonic() - child.started < 10.0
-    if young and row.health is None and row.state in ("lost", "silent"):
-        return Row(row.service, "starting", "not heard yet", True)
+def _with_process(row: Row, child: Child | None) -> Row:
+    """What the process itself adds: how it ended, or that it has just been started and need not have spoken yet."""
+    if child is None or row.ok:
+        return row
+    if child.status is not None:
+        return replace(row, detail=f"{child.how_it_ended()}; start it again with: tandem start {row.service}")
+    if row.health is None and time.monotonic() - child.started < SPEAKS_WITHIN:
+        return replace(row, state="starting", detail="not heard yet", ok=True)
     return row
 
 

@@ -51,9 +51,7 @@ def services_table(rows: list[Row], processes: Mapping[str, Child]) -> Table:
                 Text(f"{health.loop_p99_us:.0f} µs"),
                 Text(str(health.overruns)),
             ]
-        ended = child.how_it_ended() if child is not None and child.status is not None else ""
-        detail = "; ".join(part for part in (ended if not row.ok else "", row.detail) if part)
-        cells.append(Text(detail, style="" if row.ok else "red"))
+        cells.append(Text(row.detail, style="" if row.ok else "red"))
         table.add_row(*cells)
     return table
 

@@ -56,10 +56,10 @@ class LoadExperiment:
         self._ask = ask
         self._recorder = Recorder()
         self._target = ControlTarget(
-            position=protocol.HOLD[:3],
+            position=np.array(protocol.HOLD[:3]),
             orientation=quaternion_from_rpy(*protocol.HOLD[3:]),
-            force_limit=protocol.FORCE_LIMIT,
-            torque_limit=protocol.TORQUE_LIMIT,
+            force_limit=np.array(protocol.FORCE_LIMIT),
+            torque_limit=np.array(protocol.TORQUE_LIMIT),
         )
         self.inlets = [Inlet(topic, clock, self._listener(topic)) for topic in RECORDED]
         for inlet in self.inlets:

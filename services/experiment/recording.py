@@ -70,7 +70,7 @@ class Recording:
         }
         events = [dataclasses.asdict(event) for event in self.events]
         arrays["meta"] = np.array(json.dumps({"meta": self.meta, "events": events}))
-        np.savez_compressed(path, **arrays)
+        np.savez_compressed(path, allow_pickle=False, **arrays)
 
     @classmethod
     def load(cls, path: Path) -> Recording:
@@ -144,7 +144,7 @@ def flatten(message: Any, prefix: str = "") -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    return dataclasses.asdict(value) if dataclasses.is_dataclass(value) else np.asarray(value).tolist()
+    return flatten(value) if dataclasses.is_dataclass(value) else np.asarray(value).tolist()
 
 
 def _columns(rows: list[dict[str, Any]]) -> Columns:
