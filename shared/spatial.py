@@ -61,6 +61,13 @@ def quaternion(rotation: Array) -> Array:
 
 def rotation_vector(rotation: Array) -> Array:
     """Rotation vector (3,) [rad] of a rotation matrix (3, 3): axis times angle, angle in [0, pi]."""
+    (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = rotation.tolist()
+    trace = r00 + r11 + r22
+    if trace > 1.0:  # below 90 degrees the skew part alone is well conditioned, and three times as fast
+        x, y, z = r21 - r12, r02 - r20, r10 - r01
+        twice_sine = math.sqrt(x * x + y * y + z * z)
+        scale = 0.5 if twice_sine < _SMALL_ANGLE else math.atan2(twice_sine, trace - 1.0) / twice_sine
+        return np.array((scale * x, scale * y, scale * z))
     x, y, z, w = quaternion(rotation).tolist()
     sine = math.sqrt(x * x + y * y + z * z)
     scale = 2.0 if sine < _SMALL_ANGLE else 2.0 * math.atan2(sine, w) / sine
@@ -128,6 +135,6 @@ def pose_error(
 ) -> Array:
     """Pose error (6,) ``[p - p_hat; theta]`` [m, rad], theta the rotation vector of ``R R_hat^T`` in base axes."""
     error = np.empty(6)
-    error[:3] = np.asarray(position) - np.asarray(target_position)
+    np.subtract(position, target_position, out=error[:3])
     error[3:] = rotation_vector(rotation @ target_rotation.T)
     return error
