@@ -112,18 +112,18 @@ class Measuring:
 
 
 def described(result: Identified) -> dict[str, Any]:
-    """An identified payload as the query answers it."""
+    """An identified payload as the query answers it; ``sigma`` (10,): mass, com, force bias, torque bias in a row."""
     return {
         "mass": result.mass,
         "com": result.com.tolist(),
         "force_bias": result.force_bias.tolist(),
         "torque_bias": result.torque_bias.tolist(),
-        "sigma": {
-            "mass": result.sigma_mass,
-            "com": result.sigma_com.tolist(),
-            "force_bias": result.sigma_force_bias.tolist(),
-            "torque_bias": result.sigma_torque_bias.tolist(),
-        },
+        "sigma": [
+            result.sigma_mass,
+            *result.sigma_com.tolist(),
+            *result.sigma_force_bias.tolist(),
+            *result.sigma_torque_bias.tolist(),
+        ],
         "residual_rms": result.residual_rms.tolist(),
         "condition": result.condition,
         "poses": result.poses,

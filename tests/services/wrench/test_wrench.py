@@ -1,0 +1,314 @@
+"""The service in simulated time: outputs, faults, queries."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shared.parameters import Refused
+from shared.spatial import rotation_from_vector
+from shared.topics import WRENCH_IDENTIFY, WRENCH_PARAMETERS, WRENCH_TARE
+from tests.services.wrench.rig import Rig
+from tests.services.wrench.sensor import TILTED
+
+BAG = np.array((0.0, 0.0, -20.0, 1.0, -2.0, 0.0))
+
+
+def bounds_hold(rig: Rig, external: np.ndarray) -> bool:
+    bounds = np.array([r.message.error_bound for r in rig.received])
+    return bool(np.all(np.abs(rig.wrenches - external) <= bounds))
+
+
+def identified(rig: Rig) -> dict:
+    rig.ask(WRENCH_IDENTIFY, action="start")
+    for rotation in TILTED:
+        rig.rotation = rotation
+        rig.run(0.05)
+        rig.ask(WRENCH_IDENTIFY, action="add")
+    return rig.ask(WRENCH_IDENTIFY, action="solve")
+
+
+@pytest.mark.parametrize("rate", [30.0, 100.0, 500.0])
+def test_one_valid_wrench_per_sample(rate: float) -> None:
+    rig = Rig(rate=rate)
+    received = rig.run(2.0)
+    assert len(received) == pytest.approx(2.0 * rate, abs=1)
+    assert all(r.header.valid and r.message.fault == "" for r in received)
+
+
+def test_nothing_is_published_before_the_first_sample() -> None:
+    rig = Rig()
+    rig.on = False
+    assert rig.run(1.0) == []
+
+
+def test_untared_reading_is_published_as_such_with_a_bound_that_covers_the_weight() -> None:
+    rig = Rig()
+    rig.external = BAG
+    rig.run(1.0)
+    assert rig.last.message.compensation == "none"
+    assert bounds_hold(rig, BAG)
+    assert rig.last.message.force[2] == pytest.approx(-20.0 - 0.8226 * 9.81 + 0.7, abs=0.5)
+    assert rig.last.message.error_bound[2] > 8.0
+
+
+def test_tare_then_load() -> None:
+    rig = Rig()
+    rig.run(0.5)
+    answer = rig.ask(WRENCH_TARE, duration=1.0)
+    assert answer["ok"] is True
+    assert answer["samples"] == pytest.approx(101, abs=1)
+    assert np.array(answer["force"] + answer["torque"]) == pytest.approx(
+        rig.sensor.exact(rig.rotation), abs=0.05
+    )
+    assert np.array(answer["std"]) == pytest.approx(rig.sensor.noise, rel=0.3)
+    rig.external = BAG
+    rig.run(0.02)
+    rig.run(1.0)
+    assert rig.last.message.compensation == "tare"
+    assert rig.wrenches.mean(axis=0) == pytest.approx(BAG, abs=0.1)
+    assert bounds_hold(rig, BAG)
+    assert rig.last.message.error_bound[2] < 1.0
+
+
+def test_identified_payload_holds_in_other_poses() -> None:
+    rig = Rig()
+    rig.run(0.2)
+    answer = identified(rig)
+    sigma = answer["sigma"]
+    assert abs(answer["mass"] - rig.sensor.mass) < 4 * sigma[0]
+    assert np.all(np.abs(np.array(answer["com"]) - rig.sensor.com) < 4 * np.array(sigma[1:4]))
+    assert len(sigma) == 10 and len(answer["residual_rms"]) == 6 and answer["condition"] > 1
+    rig.external = BAG
+    for turn in ((1.0, 0.5, 2.0), (-0.7, 0.9, -1.0), (2.5, 0.0, 0.0)):
+        rig.rotation = rotation_from_vector(turn)
+        rig.run(0.02)
+        rig.run(0.5)
+        assert rig.last.message.compensation == "payload"
+        assert bounds_hold(rig, BAG)
+        assert rig.last.message.error_bound[:3].max() < 2.0
+
+
+def test_tare_is_refused_before_the_first_sample() -> None:
+    rig = Rig()
+    rig.on = False
+    with pytest.raises(Refused, match="sensor/ft"):
+        rig.ask(WRENCH_TARE, duration=1.0)
+
+
+@pytest.mark.parametrize("duration", [0, -1, 31, "1", None, True, [1]])
+def test_tare_of_a_bad_duration_is_refused(duration: object) -> None:
+    rig = Rig()
+    rig.run(0.1)
+    with pytest.raises(Refused, match=r"duration is .* wanted 0\.1 to 30"):
+        rig.ask(WRENCH_TARE, duration=duration)
+
+
+def test_tare_is_refused_while_turning() -> None:
+    rig = Rig()
+    rig.run(0.1)
+    rig.turning = rotation_from_vector((0.001, 0.0, 0.0))
+    with pytest.raises(Refused, match="turned"):
+        rig.ask(WRENCH_TARE, duration=1.0)
+    assert rig.last.message.compensation == "none"
+
+
+def test_tare_is_refused_when_the_sensor_fails_meanwhile() -> None:
+    rig = Rig()
+    rig.run(0.5)
+
+    def fail() -> None:
+        rig.stuck = [0]
+
+    rig.stack.scheduler.at(rig.stack.scheduler.clock.now_ns() + 300_000_000, fail)
+    with pytest.raises(Refused, match="stuck"):
+        rig.ask(WRENCH_TARE, duration=1.0)
+    with pytest.raises(Refused, match="stuck"):
+        rig.ask(WRENCH_TARE, duration=1.0)
+
+
+def test_tare_is_refused_when_the_sensor_falls_silent() -> None:
+    rig = Rig()
+    rig.run(0.5)
+
+    def fail() -> None:
+        rig.on = False
+
+    rig.stack.scheduler.at(rig.stack.scheduler.clock.now_ns() + 300_000_000, fail)
+    with pytest.raises(Refused, match="sensor/ft"):
+        rig.ask(WRENCH_TARE, duration=1.0)
+
+
+@pytest.mark.parametrize(
+    ("request_", "reason"),
+    [
+        ({"action": "add"}, "no identification was started"),
+        ({"action": "solve"}, "no identification was started"),
+        ({"action": "dance"}, "wanted start, add, solve or cancel"),
+        ({}, "wanted start, add, solve or cancel"),
+        ({"action": ["start"]}, "wanted start, add, solve or cancel"),
+    ],
+)
+def test_identification_refuses_what_makes_no_sense(request_: dict, reason: str) -> None:
+    rig = Rig()
+    rig.run(0.1)
+    with pytest.raises(Refused, match=reason):
+        rig.ask(WRENCH_IDENTIFY, **request_)
+
+
+def test_identification_that_is_not_excited_keeps_its_poses_and_the_old_compensation() -> None:
+    rig = Rig()
+    rig.run(0.1)
+    rig.ask(WRENCH_IDENTIFY, action="start")
+    for heading in (0.0, 1.0, 2.0):
+        rig.rotation = rotation_from_vector((0.0, 0.0, heading))
+        rig.ask(WRENCH_IDENTIFY, action="add")
+    with pytest.raises(Refused, match="tilt"):
+        rig.ask(WRENCH_IDENTIFY, action="solve")
+    rig.run(0.1)
+    assert rig.last.message.compensation == "none"
+    for rotation in TILTED[1:]:
+        rig.rotation = rotation
+        answer = rig.ask(WRENCH_IDENTIFY, action="add")
+    assert answer["poses"] == 7
+    assert rig.ask(WRENCH_IDENTIFY, action="solve")["mass"] == pytest.approx(0.8226, abs=0.05)
+
+
+def test_cancelled_identification_is_forgotten() -> None:
+    rig = Rig()
+    rig.run(0.1)
+    rig.ask(WRENCH_IDENTIFY, action="start")
+    rig.ask(WRENCH_IDENTIFY, action="cancel")
+    with pytest.raises(Refused, match="no identification was started"):
+        rig.ask(WRENCH_IDENTIFY, action="add")
+
+
+def test_silence_repeats_the_last_values_marked_invalid_at_20_hz() -> None:
+    rig = Rig()
+    rig.run(1.0)
+    last = rig.last.message
+    rig.on = False
+    received = rig.run(1.0)
+    assert 19 <= len(received) <= 22
+    for r in received[1:]:
+        assert not r.header.valid and r.message.fault == "silent"
+        assert r.message.force == pytest.approx(last.force, abs=1.0)
+    first_invalid = next(r for r in received if not r.header.valid)
+    assert first_invalid.arrival_ns - received[0].arrival_ns <= 40_000_000
+    rig.on = True
+    rig.run(0.2)
+    assert rig.last.header.valid and rig.last.message.fault == ""
+
+
+@pytest.mark.parametrize("axis", range(6))
+def test_stuck_axis_is_invalid_within_a_tenth_of_a_second(axis: int) -> None:
+    rig = Rig()
+    rig.run(1.0)
+    onset = rig.stack.scheduler.clock.now_ns()
+    rig.stuck = [axis]
+    received = rig.run(0.3)
+    first = next(r for r in received if not r.header.valid)
+    assert first.message.fault == "stuck"
+    assert first.arrival_ns - onset <= 100_000_000
+    assert not received[-1].header.valid
+    rig.stuck = []
+    rig.run(0.3)
+    assert rig.last.header.valid
+
+
+def test_saturation_is_named_as_such_even_when_it_sticks() -> None:
+    rig = Rig()
+    rig.run(0.5)
+    rig.saturated, rig.stuck = True, [2]
+    received = rig.run(0.5)
+    assert {r.message.fault for r in received} == {"saturated"}
+    assert not any(r.header.valid for r in received)
+
+
+def test_sample_that_its_publisher_calls_invalid() -> None:
+    rig = Rig()
+    rig.run(0.5)
+    rig.valid = False
+    received = rig.run(0.5)
+    assert {(r.header.valid, r.message.fault) for r in received[1:]} == {(False, "invalid")}
+
+
+def test_error_bound_follows_the_parameter() -> None:
+    rig = Rig()
+    rig.run(0.5)
+    rig.ask(WRENCH_TARE, duration=1.0)
+    rig.run(0.1)
+    before = rig.last.message.error_bound
+    rig.ask(WRENCH_PARAMETERS, set={"noise_bound": [1.0, 1.0, 1.0, 0.05, 0.05, 0.05]})
+    rig.run(0.1)
+    assert np.all(rig.last.message.error_bound[:3] > before[:3] + 0.4)
+
+
+def test_low_pass_smooths() -> None:
+    rough, smooth = Rig(), Rig(lowpass_hz=2.0)
+    for rig in (rough, smooth):
+        rig.run(1.0)
+        rig.run(5.0)
+    assert np.all(smooth.wrenches.std(axis=0) < 0.4 * rough.wrenches.std(axis=0))
+
+
+def test_restarted_process_goes_on_with_the_tare_of_the_same_robot_run(tmp_path: Path) -> None:
+    rig = Rig(tmp_path)
+    rig.run(0.2)
+    rig.ask(WRENCH_TARE, duration=1.0)
+    rig.external = BAG
+    rig.run(0.02)
+    rig.run(0.5)
+    before = rig.wrenches.mean(axis=0)
+    again = Rig(tmp_path)
+    again.stack.client._session = rig.stack.client._session
+    again.external = BAG
+    again.run(0.5)
+    assert again.last.message.compensation == "tare"
+    assert again.wrenches.mean(axis=0) == pytest.approx(before, abs=0.1)
+
+
+def test_tare_of_another_robot_run_is_not_used(tmp_path: Path) -> None:
+    rig = Rig(tmp_path)
+    rig.run(0.2)
+    rig.ask(WRENCH_TARE, duration=1.0)
+    again = Rig(tmp_path)
+    again.run(0.5)
+    assert again.last.message.compensation == "none"
+
+
+def test_tare_survives_a_restart_of_the_robot_process() -> None:
+    rig = Rig()
+    rig.run(0.2)
+    rig.ask(WRENCH_TARE, duration=1.0)
+    rig.on = False
+    rig.run(2.0)
+    rig.stack.client._session += 1
+    rig.on = True
+    rig.run(0.5)
+    assert rig.last.header.valid and rig.last.message.compensation == "tare"
+
+
+def test_identified_payload_is_saved_and_read_at_the_next_start(tmp_path: Path) -> None:
+    rig = Rig(tmp_path)
+    rig.run(0.2)
+    answer = identified(rig)
+    again = Rig(payload=answer["file"])
+    again.external = BAG
+    again.rotation = TILTED[3]
+    again.run(0.5)
+    assert again.last.message.compensation == "payload"
+    assert bounds_hold(again, BAG)
+
+
+def test_full_disk_is_noted_and_changes_nothing_else(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    rig = Rig(blocked)
+    rig.run(0.2)
+    assert rig.ask(WRENCH_TARE, duration=1.0)["ok"] is True
+    rig.run(0.2)
+    assert rig.last.header.valid and rig.last.message.compensation == "tare"
+    assert "cannot write" in rig.wrench.notes()
