@@ -1,4 +1,4 @@
-"""What the limits leave of each axis: caps, thresholds and reserve, recomputed only when a limit or an error changes."""
+"""What the limits leave of each axis: caps, thresholds and reserve, recomputed only when these change."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Caps:
         self._fill(self.levels, self.rounded([0.0] * 6) if self._rho < 1.0 else W.tolist())
 
     def rounded(self, h: list[float]) -> list[float]:
-        """Caps (6,) ``A_i = theta_i + X_i sqrt(h_i^2 + left/6)``, ``left = max(0, 1 - |h|^2)``: rounded corners, V <= 1."""
+        """Caps (6,) ``A_i = theta_i + X_i sqrt(h_i^2 + left/6)``, ``left = max(0, 1 - |h|^2)``: corners cut round."""
         left = _SHARE * max(0.0, 1.0 - sum(value * value for value in h))
         return [
             start + room * math.sqrt(value * value + left)

@@ -40,17 +40,18 @@ class CertifiedLaw(Law):
         # D: from a wrench to the full answer to it; the strict form counts one more period.
         self.response_time = parameters.horizon if self.rounded else parameters.horizon + T
         self.bound = StiffnessBound(parameters.contact_zones)
+        self._turn_of_command = parameters.max_angular * T
         self.caps = Caps(parameters.reserve, parameters.yield_start)
-        self._yielding = RoundedYield() if self.rounded else StrictYield()
+        self._yielding: RoundedYield | StrictYield = RoundedYield() if self.rounded else StrictYield()
         # |p|^2 + |q|^2 in place of |p - q|^2: the same minimum without p_i and q_i opposing each other.
         self.qp = Qp(np.array([1.0] * 12 + [0.0]), 13, timer, T)
         self.qp.upper[_GAMMA] = UNBOUNDED
         self.qp.rows[_LYAPUNOV, _GAMMA] = -1.0
-        self._times = np.array([[T], [parameters.horizon]])
         self._version = -1
         self._M = np.zeros((12, 12))
         self._scaled = np.zeros((12, 12))
-        self._per_speed = np.zeros((2, 12))
+        self._next = np.zeros((2, 12))
+        self._lasting = np.zeros((2, 12))
         self._w = np.zeros(12)
         self._y = np.zeros(6)
         self._y_speeds = np.zeros(12)
@@ -87,11 +88,14 @@ class CertifiedLaw(Law):
     def _update_bound(self, state: LawInput) -> None:
         """Kbar for this attitude, and the rows' matrix ``M = [Kbar, L; L, Kbar]``."""
         # F = wbar + |nominal force| bounds the sum of the contacts' forces where they do not squeeze.
-        force = (state.limit[:3] + np.abs(state.nominal[:3])).tolist()
+        force = [
+            limit + abs(own)
+            for limit, own in zip(state.limit.tolist()[:3], state.nominal.tolist()[:3], strict=True)
+        ]
         turns = self.travel.in_flight.tolist()
         in_flight = max(turns[3] + turns[9], turns[4] + turns[10], turns[5] + turns[11])
         bound = self.bound
-        bound.update(state.rotation, in_flight + self.parameters.max_angular * self.parameters.period, force)
+        bound.update(state.rotation, in_flight + self._turn_of_command, force)
         if bound.version == self._version:
             return
         self._version = bound.version
@@ -102,9 +106,10 @@ class CertifiedLaw(Law):
         np.fill_diagonal(M[:6, 6:], bound.low)
         M[6:, :6] = M[:6, 6:]
         # Both kinds of rows as speeds: a general row divided by its largest element, a reserve row by its only one.
-        self._per_speed[0] = 1.0 / M.max(axis=1)
-        self._per_speed[1] = np.tile(1.0 / K.diagonal(), 2)
-        self._scaled = M * self._per_speed[0][:, None]
+        per_travel = np.array((1.0 / M.max(axis=1), np.tile(1.0 / K.diagonal(), 2)))
+        self._next = per_travel / self.parameters.period
+        self._lasting = per_travel / self.parameters.horizon
+        self._scaled = M * per_travel[0][:, None]
         self.qp.rows[:12, :12] = self._scaled
 
     def _yield(self, state: LawInput, dt: float) -> bool:
@@ -137,16 +142,15 @@ class CertifiedLaw(Law):
         path = self.travel.in_flight
         if yields:
             path = path + self.parameters.period * self._y_speeds
-            if self.rounded:
+            if isinstance(self._yielding, RoundedYield):
                 levels = self.caps.levels_at(self._yielding.distance)
         np.subtract(levels, w, out=steady)
         np.subtract(steady, np.dot(self._M, path), out=now)
-        now /= self._times[0]
-        steady /= self._times[1]
+        now *= self._next
+        steady *= self._lasting
         np.minimum(now, steady, out=now)
         closed = min(now[0].tolist()) <= 0.0
         np.maximum(now, 0.0, out=now)
-        now *= self._per_speed
         upper = self.qp.upper[:12]
         if yields:  # the speed box leaves what y does not use; y against a direction frees none of it
             np.subtract(self.box.reach, self._y_speeds, out=upper)
@@ -192,8 +196,9 @@ class CertifiedLaw(Law):
 
     def _active(self, state: LawInput, speeds: Array) -> tuple[Array, bool]:
         """Which limits bound the motion (6,), and whether one does so under load rather than as a precaution."""
-        tight = np.minimum(self._slack, self._now[1] - speeds) < TOLERANCE
-        if not np.count_nonzero(tight):
+        left = np.minimum(self._slack, self._now[1] - speeds).tolist()
+        if min(left) > TOLERANCE:
             return self._rest, False
-        active = np.subtract(tight[:6], tight[6:], dtype=float)
-        return active, bool(np.count_nonzero(active * state.wrench > state.error_bound))
+        active = [(left[i] <= TOLERANCE) - (left[6 + i] <= TOLERANCE) for i in range(6)]
+        loaded = zip(active, state.wrench.tolist(), state.error_bound.tolist(), strict=True)
+        return np.array(active, dtype=float), any(side * w > eps for side, w, eps in loaded)

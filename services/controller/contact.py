@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import mul
 
 import numpy as np
 
@@ -46,7 +47,7 @@ class ContactZone:
         return math.sqrt(1.0 + self.friction**2)
 
 
-def widened(reach: tuple[float, float, float], turn: float) -> tuple[float, float, float]:
+def widened(reach: Sequence[float], turn: float) -> tuple[float, float, float]:
     """Reach (3,) [m] that holds while everything turns by at most ``turn`` [rad] about each axis, in any order.
 
     ``|Q| <= exp(turn (1 1' - I))`` element by element for any such rotation Q; this is that exponential, whose
@@ -123,10 +124,10 @@ class StiffnessBound:
         self.reaches: list[tuple[float, float, float]] = [(0.0, 0.0, 0.0)] * len(self.zones)
         self.version = 0
         self._rotation = np.full((3, 3), np.inf)
-        self._force: tuple[float, ...] = ()
+        self._force: list[float] = []
         self._turn = -1.0
 
-    def update(self, rotation: Array, turn: float, force: Sequence[float]) -> None:
+    def update(self, rotation: Array, turn: float, force: list[float]) -> None:
         """Make the bound hold for a tool attitude and everything it can turn until the present command has acted.
 
         Args:
@@ -139,23 +140,22 @@ class StiffnessBound:
         # up to half a radian, and a larger difference always recomputes.
         square = float(np.vdot(difference, difference))
         needed = turn + (0.72 * math.sqrt(square) if square < 0.1 else math.inf)
-        if needed <= self._turn < needed + 2.0 * _TURN_QUANTUM and self._force == tuple(force):
+        if needed <= self._turn < needed + 2.0 * _TURN_QUANTUM and self._force == force:
             return
-        self._recompute(rotation, turn, tuple(force))
+        self._recompute(rotation, turn, force)
 
-    def _recompute(self, rotation: Array, turn: float, force: tuple[float, ...]) -> None:
+    def _recompute(self, rotation: Array, turn: float, force: list[float]) -> None:
         self._rotation = rotation.copy()
         self._turn = turn + _TURN_QUANTUM
         self._force = force
         E = [[0.0] * 6 for _ in range(6)]
         low = [0.0] * 6
-        columns = np.abs(rotation).tolist()
-        farthest = (0.0, 0.0, 0.0)
+        rows = np.abs(rotation).tolist()
+        farthest = [0.0, 0.0, 0.0]
         for index, zone in enumerate(self.zones):
-            x, y, z = zone.reach
-            r = widened(tuple(a * x + b * y + c * z for a, b, c in columns), self._turn)
+            r = widened([sum(map(mul, row, zone.reach)) for row in rows], self._turn)
             self.reaches[index] = r
-            farthest = tuple(map(max, farthest, r))
+            farthest = [max(pair) for pair in zip(farthest, r, strict=True)]
             add_elastic(E, low, zone, r)
         self.geometric_rows = geometric(force, farthest)
         self.matrix[:] = E

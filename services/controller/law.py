@@ -133,8 +133,8 @@ class Law(ABC):
     def _finish(self, output: LawOutput, error: Array | None = None) -> LawOutput:
         twist = self.box.shortened(output.twist)
         if not math.isfinite(float(twist.dot(twist))):
+            output = LawOutput(self._rest, self._rest, failure="the twist is not finite")
             twist = self._rest
-            output = LawOutput(twist, self._rest, failure="the twist is not finite")
         self.travel.command(twist)
         output.twist = twist.copy()
         if error is not None:

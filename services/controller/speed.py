@@ -71,7 +71,7 @@ class SpeedBox:
     def _turn_to(self, rotation: Array) -> None:
         self._rotation = rotation.copy()
         for part in (slice(0, 3), slice(3, 6)):
-            limits = self._limits[part]
+            limits = list(self._limits)[part]
             # Keeps the box inside the tool's for every attitude closer than _TURN.
             safety = 1.0 + 2.0 * math.sqrt(3.0) * _TURN * max(limits) / min(limits)
             self._acceleration[part] = [width / safety for width in rotated_limits(rotation, limits)]
@@ -90,4 +90,5 @@ class SpeedBox:
         x, y, z, a, b, c = twist.tolist()
         linear, angular = math.sqrt(x * x + y * y + z * z), math.sqrt(a * a + b * b + c * c)
         excess = max(linear / self._linear, angular / self._angular)
-        return twist if excess <= 1.0 else twist / excess
+        # Written so that a norm which is not a number is passed on, for whoever checks the twist.
+        return twist / excess if excess > 1.0 else twist
