@@ -31,8 +31,8 @@ IK_PERIOD = 0.005
 class Arm:
     """Torso and right arm: kinematics, inverse kinematics and physics together.
 
-    The motors hold positions. What is commanded integrates into their set-points, so a zero twist keeps the joints exactly
-    where they were told to be, whatever hangs on the tool.
+    The motors hold positions. What is commanded integrates into their set-points, so a zero twist keeps the joints
+    exactly where they were told to be, whatever hangs on the tool.
 
     Attributes:
         tool_position: (3,) [m] in base.

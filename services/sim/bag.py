@@ -1,7 +1,7 @@
 """A bag on a rope that hangs from the tool, swings, and can be set down on the floor.
 
-The bag is a point mass; the rope pulls like a spring with a damper and never pushes. Both are computed here and not in the
-physics engine: in its solver a light rope with a weight rings.
+The bag is a point mass; the rope pulls like a spring with a damper and never pushes. Both are computed here and not in
+the physics engine, whose contacts and constraints cannot be given a stiffness and a damping.
 """
 
 from __future__ import annotations
@@ -79,8 +79,8 @@ class Bag:
     def load(self, mass: float, tool: Vector) -> None:
         """Make the bag's total mass ``mass`` [kg]; 0 takes it off.
 
-        Nothing jumps: a person's hand carries what is added or taken away at first, and what it carries changes smoothly
-        within ``HANDOVER``.
+        Nothing jumps: a person's hand carries what is added or taken away at first, and what it carries changes
+        smoothly within ``HANDOVER``.
         """
         if not self.present:
             if mass == 0.0:

@@ -57,7 +57,8 @@ class Commands:
     def _load(self, request: Mapping[str, Any]) -> None:
         mass = _number(request, "mass", "kg", 0.0, bag.HEAVIEST)
         if 0.0 < mass < bag.LIGHTEST:
-            raise Refused(f"mass is {mass:g} kg, allowed is 0 (take the bag off) or {bag.LIGHTEST:g} to {bag.HEAVIEST:g} kg")
+            allowed = f"0 (take the bag off) or {bag.LIGHTEST:g} to {bag.HEAVIEST:g} kg"
+            raise Refused(f"mass is {mass:g} kg, allowed is {allowed}")
         self._world.load(mass)
 
     def _push(self, request: Mapping[str, Any]) -> None:
@@ -80,7 +81,7 @@ class Commands:
             given = request.get("value")
             axes = _AXES[target] if isinstance(given, (list, tuple)) else 1
             value = _vector(given if axes > 1 else [given], "value", "N, Nm or rad", LARGEST_FORCE, axes)
-        self._lines[target].break_down(kind, value)
+        self._lines[target].break_down(kind, value.tolist())
 
 
 def _number(request: Mapping[str, Any], name: str, unit: str, low: float, high: float) -> float:
@@ -96,5 +97,7 @@ def _vector(given: Any, name: str, unit: str, largest: float, size: int) -> Arra
         isinstance(x, (int, float)) and not isinstance(x, bool) and math.isfinite(x) and abs(x) <= largest
         for x in given
     ):
-        raise Refused(f"{name} is {given!r}, allowed are {size} numbers from {-largest:g} to {largest:g} {unit}")
+        raise Refused(
+            f"{name} is {given!r}, allowed are {size} numbers from {-largest:g} to {largest:g} {unit}"
+        )
     return np.array(given, dtype=float)

@@ -1,14 +1,15 @@
 """Onboard differential inverse kinematics: a wanted tool twist becomes joint velocities.
 
-Each call solves in the joint velocities q' (n) and the executed share s of the twist V:
+Each call solves in the joint velocities q' (n) and the executed share s of the twist V
 
-    minimise    w |q'|_W^2 / 2 + r |q' - q'_p|_W^2 / 2 - c |V|^2 s
+    minimise    a |q'|_W^2 / 2 + b |q' - q'_p|_W^2 / 2 - c |V|^2 s
     subject to  J q' = s V                      the direction is never distorted, only the speed reduced
                 0 <= s <= 1
                 l <= q' <= u                    speed limits, and braking before position limits
 
-in closed form where no bound is active, otherwise with PIQP. q'_p draws the redundant joints towards the reference posture. Near a singularity the speeds that a full twist needs
-grow without bound; c bounds their price, so s falls smoothly there. A zero twist gives exactly zero velocities.
+in closed form where no bound is active, otherwise with PIQP. q'_p draws the redundant joints towards the reference
+posture. Near a singularity the speeds that a full twist needs grow without bound; c bounds their price, so s falls
+smoothly there. A zero twist gives exactly zero velocities.
 """
 
 from __future__ import annotations
@@ -59,7 +60,9 @@ class DifferentialIK:
     weight: relative cost (n,) of the joints' speeds.
     """
 
-    def __init__(self, lower: Array, upper: Array, speed: Array, names: tuple[str, ...], weight: Array) -> None:
+    def __init__(
+        self, lower: Array, upper: Array, speed: Array, names: tuple[str, ...], weight: Array
+    ) -> None:
         self._lower = lower + POSITION_MARGIN
         self._upper = upper - POSITION_MARGIN
         self._speed = speed
@@ -85,7 +88,9 @@ class DifferentialIK:
         highest = np.maximum(np.minimum(APPROACH_RATE * (self._upper - position), self._speed), 0.0)
         return lowest, highest
 
-    def solve(self, position: Array, jacobian: Array, twist: Array, reference: Array, lead: Array) -> Solution:
+    def solve(
+        self, position: Array, jacobian: Array, twist: Array, reference: Array, lead: Array
+    ) -> Solution:
         """Joint velocities for a twist.
 
         Args:
@@ -96,7 +101,9 @@ class DifferentialIK:
             lead: velocity (n,) of that posture.
         """
         x, y, z, about_x, about_y, about_z = twist.tolist()
-        size = math.hypot(x, y, z, ANGULAR_LENGTH * about_x, ANGULAR_LENGTH * about_y, ANGULAR_LENGTH * about_z)
+        size = math.hypot(
+            x, y, z, ANGULAR_LENGTH * about_x, ANGULAR_LENGTH * about_y, ANGULAR_LENGTH * about_z
+        )
         if size == 0.0:
             return Solution(np.zeros(self._n), 1.0, "")
         lowest, highest = self.bounds(position)
@@ -133,7 +140,9 @@ class DifferentialIK:
         if self._ready:
             self._solver.update(P=self._hessian, c=gradient, A=self._equations, x_l=below, x_u=above)
         else:
-            self._solver.setup(P=self._hessian, c=gradient, A=self._equations, b=np.zeros(6), x_l=below, x_u=above)
+            self._solver.setup(
+                P=self._hessian, c=gradient, A=self._equations, b=np.zeros(6), x_l=below, x_u=above
+            )
             self._ready = True
         status = self._solver.solve()
         result = np.array(self._solver.result.x)

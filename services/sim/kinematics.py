@@ -27,12 +27,12 @@ HOME = {
     "arm_right_5_joint": 1.51284625,
     "arm_right_6_joint": 1.06685273,
     "arm_right_7_joint": 0.45070951,
-    "arm_left_1_joint": -1.1,
-    "arm_left_2_joint": 1.4679,
-    "arm_left_3_joint": 2.714,
-    "arm_left_4_joint": 1.7095,
-    "arm_left_5_joint": -1.5708,
-    "arm_left_6_joint": 1.37,
+    "arm_left_1_joint": 0.25,
+    "arm_left_2_joint": 1.4,
+    "arm_left_3_joint": 1.57,
+    "arm_left_4_joint": 0.7,
+    "arm_left_5_joint": 0.0,
+    "arm_left_6_joint": 0.0,
     "arm_left_7_joint": 0.0,
     "head_1_joint": -0.45,
     "head_2_joint": -0.35,
@@ -40,9 +40,9 @@ HOME = {
 """Positions [m, rad] at the start; joints not named stand at zero.
 
 The tool is at (0.5, -0.3, 1.0) m with the axes of the base. There the forearm's roll joint, which yields above 3 Nm,
-decides what the arm can carry: with the elbow out to the side, where most solutions have it, a weight at the tool of
-15 to 20 N is too much. Here the elbow is low and in front, the torso high and the elbow joint nearly closed, and 28 N at
-the tool take 2.5 of its 3 Nm. Going down only makes that easier.
+decides what the arm can carry: with the elbow out to the side, where most solutions have it, a weight of 15 N at the
+tool is too much. Here the elbow is low, the torso high and the elbow joint nearly closed, and 28 N at the tool take 2.5
+of its 3 Nm. Going down only makes that easier.
 """
 
 

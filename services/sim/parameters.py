@@ -12,7 +12,9 @@ BaseType = Literal["differential", "omni"]
 class SimParameters(Parameters):
     """Rates, sensor errors and speed limits of the simulated TIAGo."""
 
-    ft_rate: float = parameter(100.0, unit="Hz", minimum=30.0, maximum=1000.0, doc="of the wrist's force-torque sensor")
+    ft_rate: float = parameter(
+        100.0, unit="Hz", minimum=30.0, maximum=1000.0, doc="of the wrist's force-torque sensor"
+    )
     ft_noise: Vector6 = parameter(
         (0.1, 0.1, 0.1, 0.005, 0.005, 0.005),
         unit="N, Nm",
@@ -28,12 +30,22 @@ class SimParameters(Parameters):
     )
     camera_rate: float = parameter(10.0, unit="Hz", minimum=1.0, maximum=30.0, doc="of the head camera")
     base_type: BaseType = parameter("differential", unit="", doc="kind of mobile base")
-    physics_rate: float = parameter(500.0, unit="Hz", minimum=500.0, maximum=4000.0, doc="of physics steps, at least")
-    real_time_factor: float = parameter(
-        1.0, unit="1", minimum=0.01, maximum=10.0, doc="simulated seconds per second; commands' ttl stays in real time"
+    physics_rate: float = parameter(
+        500.0, unit="Hz", minimum=500.0, maximum=4000.0, doc="of physics steps, at least"
     )
-    max_linear: float = parameter(0.3, unit="m/s", minimum=0.01, maximum=1.0, doc="largest speed of the tool's origin")
-    max_angular: float = parameter(1.0, unit="rad/s", minimum=0.01, maximum=3.0, doc="largest turning rate of the tool")
+    real_time_factor: float = parameter(
+        1.0,
+        unit="1",
+        minimum=0.01,
+        maximum=10.0,
+        doc="simulated seconds per second; commands' ttl stays in real time",
+    )
+    max_linear: float = parameter(
+        0.3, unit="m/s", minimum=0.01, maximum=1.0, doc="largest speed of the tool's origin"
+    )
+    max_angular: float = parameter(
+        1.0, unit="rad/s", minimum=0.01, maximum=3.0, doc="largest turning rate of the tool"
+    )
     max_linear_acceleration: float = parameter(
         5.0, unit="m/s2", minimum=0.1, maximum=100.0, doc="of speeding up; slowing down is not limited"
     )

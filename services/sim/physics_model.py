@@ -1,8 +1,8 @@
 """The physics engine's view of the robot: few rigid bodies, so that a step is cheap.
 
 Joints that are not driven are locked and everything rigidly connected is lumped into one body; only the fixed joint of
-the force-torque sensor is kept, because its reaction is what the sensor reads. A step of this model takes a fifth of one
-of the full robot's.
+the force-torque sensor is kept, because its reaction is what the sensor reads. A step of this model takes a fifth of
+one of the full robot's.
 """
 
 from __future__ import annotations

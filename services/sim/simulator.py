@@ -27,8 +27,8 @@ from shared.topics import Query
 class Simulator:
     """Steps the world by one tick per call, executes what the gate lets through, and publishes what is due.
 
-    A tick simulates the time since the last one. A command that arrived in between acts from the physics step on in which
-    it arrived, and its time to live is counted from there: the gate's answers are as sharp as the physics steps.
+    A tick simulates the time since the last one. A command that arrived in between acts from the physics step on in
+    which it arrived, and its time to live is counted from there: the gate's answers are as sharp as the physics steps.
     """
 
     max_delay = 0.2
