@@ -12,6 +12,8 @@ from shared.messages import Header
 MAP_CAP = 64 * 1024
 """Largest payload [bytes] of a query, and of every message that is not an image."""
 
+_TEXT_ONLY = {str}
+
 M = TypeVar("M", bound=Record)
 
 
@@ -54,6 +56,6 @@ def decode_map(payload: bytes, cap: int = MAP_CAP) -> dict[str, Any]:
         data = msgpack.unpackb(payload)
     except (ValueError, msgpack.exceptions.UnpackException, OverflowError, TypeError) as problem:
         raise Rejected(f"not MessagePack ({type(problem).__name__})") from None
-    if not isinstance(data, dict) or not all(isinstance(key, str) for key in data):
+    if not isinstance(data, dict) or not set(map(type, data)) <= _TEXT_ONLY:
         raise Rejected(f"{type(data).__name__}, wanted a map with text keys")
     return data

@@ -15,6 +15,7 @@ from shared.fields import (
     Boolean,
     Bytes,
     Integer,
+    InvalidField,
     MapOf,
     Number,
     Quaternion,
@@ -73,11 +74,12 @@ class JointState(Record):
     velocity: np.ndarray = of(Vector("rad/s or m/s", size=None))
     effort: np.ndarray = of(Vector("Nm or N", size=None))
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        Vector(size=len(self.name)).check(self.position, "position")
-        Vector(size=len(self.name)).check(self.velocity, "velocity")
-        Vector(size=len(self.name)).check(self.effort, "effort")
+    def check(self) -> None:
+        for field in ("position", "velocity", "effort"):
+            if (size := len(getattr(self, field))) != len(self.name):
+                raise InvalidField(
+                    f"{field} has {size} elements, wanted one for each of {len(self.name)} names"
+                )
 
 
 @dataclass(frozen=True, eq=False)

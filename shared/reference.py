@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import MISSING
 
 from shared.fields import (
     Boolean,
@@ -64,8 +65,10 @@ def _type_name(kind: Kind) -> str:
 
 
 def _fields(record: type[Record], indent: str = "") -> Iterator[str]:
-    for name, kind, optional in record.kinds():
-        about = ", ".join(part for part in (kind.unit, kind.doc, "may be absent" if optional else "") if part)
+    for name, kind, default in record.kinds():
+        about = ", ".join(
+            part for part in (kind.unit, kind.doc, "" if default is MISSING else "may be absent") if part
+        )
         yield f"{indent}- `{name}` {_type_name(kind)}{': ' + about if about else ''}"
         if isinstance(kind, (RecordOf, MapOf)) and kind.record is not None:
             yield from _fields(kind.record, indent + "  ")
