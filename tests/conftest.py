@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,23 +24,40 @@ class Router:
     endpoint: str
 
 
-@pytest.fixture
-def start(tmp_path: Path) -> Iterator[StartProcess]:
-    """Starts ``python -m module arguments...``; every process ends with the test, newest first."""
+@contextmanager
+def _processes(folder: Path) -> Iterator[StartProcess]:
     numbers = itertools.count()
     with ExitStack() as processes:
 
         def start_process(module: str, *arguments: str, environment: dict[str, str] | None = None) -> Process:
-            output = tmp_path / f"{next(numbers)}-{module}.log"
+            output = folder / f"{next(numbers)}-{module}.log"
             return processes.enter_context(Process(module, arguments, output, environment))
 
         yield start_process
 
 
-@pytest.fixture
-def router(start: StartProcess) -> Router:
-    """A router of the test's own."""
+def _router(start_process: StartProcess) -> Router:
     endpoint = free_endpoint()
-    process = start("services.router", "--listen", endpoint)
+    process = start_process("services.router", "--listen", endpoint)
     process.wait_for_output(endpoint)
     return Router(process, endpoint)
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[StartProcess]:
+    """Starts ``python -m module arguments...``; every process ends with the test, newest first."""
+    with _processes(tmp_path) as start_process:
+        yield start_process
+
+
+@pytest.fixture
+def router(start: StartProcess) -> Router:
+    """A router of the test's own, which it may kill."""
+    return _router(start)
+
+
+@pytest.fixture(scope="module")
+def shared_router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Router]:
+    """One router for all tests of a file, which leave it alone."""
+    with _processes(tmp_path_factory.mktemp("router")) as start_process:
+        yield _router(start_process)

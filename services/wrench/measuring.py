@@ -19,9 +19,14 @@ Reply = Callable[[dict[str, Any]], None]
 
 
 class Measuring:
-    """One measurement at a time, answered when its window is full or as soon as it is spoilt."""
+    """One measurement at a time, answered when its window is full or as soon as it is spoilt.
 
-    def __init__(self) -> None:
+    Args:
+        adopt: told what to subtract from now on when a tare is complete, before the tare is answered.
+    """
+
+    def __init__(self, adopt: Callable[[Compensation], None]) -> None:
+        self._adopt = adopt
         self._window: Window | None = None
         self._taring = False
         self._reply: Reply | None = None
@@ -45,8 +50,8 @@ class Measuring:
         self._window = Window(float(duration), noise_bound)
         self._taring, self._reply = taring, reply
 
-    def add(self, raw: Array, rotation: Array, dt: float, compensation: Compensation) -> Compensation | None:
-        """Take in a reading; what to subtract from now on, if that completes a tare.
+    def add(self, raw: Array, rotation: Array, dt: float, compensation: Compensation) -> None:
+        """Take in a reading, which may complete what was asked for.
 
         Args:
             raw: force and torque (6,), sensor axes.
@@ -55,14 +60,15 @@ class Measuring:
             compensation: in force now.
         """
         if self._window is None or not self._window.add(raw, rotation, dt):
-            return None
+            return
         try:
             average = self._window.average()
         except NotStill as problem:
             self.abort(str(problem))
-            return None
+            return
         if self._taring:
             tared = compensation.tared(average.mean, average.mean_error, average.noise, average.rotation)
+            self._adopt(tared)
             self._finish(
                 {
                     "force": tared.bias[:3].tolist(),
@@ -71,11 +77,10 @@ class Measuring:
                     "std": average.std.tolist(),
                 }
             )
-            return tared
+            return
         assert self._poses is not None
         self._poses.append(average)
         self._finish({"poses": len(self._poses), "samples": average.samples, "std": average.std.tolist()})
-        return None
 
     def abort(self, reason: str) -> None:
         """Refuse the running measurement, if there is one; poses that were added stay."""

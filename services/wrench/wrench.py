@@ -60,7 +60,7 @@ class Wrench:
         self._journal = Journal(folder / "wrench.json" if folder else None)
         self._watch = SensorWatch()
         self._lowpass = LowPass()
-        self._measuring = Measuring()
+        self._measuring = Measuring(self._adopt)
         self._trouble = f"no {SENSOR_FT.key} has come in yet"
         self._session: int | None = None
         self._last: ExternalWrench | None = None
@@ -90,8 +90,8 @@ class Wrench:
         self._trouble = f"the sensor is {fault}" if fault else ""
         if fault:
             self._measuring.abort(self._trouble)
-        elif (measured := self._measuring.add(raw, rotation, dt, self.compensation)) is not None:
-            self._adopt(measured)
+        else:
+            self._measuring.add(raw, rotation, dt, self.compensation)
         return [Output(WRENCH_EXTERNAL, self._last, valid=not fault)]
 
     def brake(self, fault: Fault, dt: float) -> list[Output]:
