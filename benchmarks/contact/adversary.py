@@ -16,21 +16,21 @@ from shared.spatial import Array
 
 KINDS = ("none", "constant", "random", "corner", "axis", "potential")
 CLEVER = ("axis", "potential")
+YIELD_START = 0.8  # of the rounded form, which ``potential`` works against
 
 
 class Adversary:
     """Chooses the error of every sample."""
 
     def __init__(
-        self, kind: str, bound: Array, limit: Array, rng: np.random.Generator, start: float = 0.8
+        self, kind: str, bound: Array, limit: Array, rng: np.random.Generator, first: Array | None = None
     ) -> None:
-        """Errors stay within ``bound`` (6,) [N, Nm]; ``potential`` works against a `yield_start` of ``start``."""
+        """Errors of ``kind`` within ``bound`` (6,) [N, Nm]; a constant one is ``first`` (6,), or drawn."""
         self._kind = kind
         self._bound = bound
         self._limit = limit
         self._rng = rng
-        self._start = start
-        self._last = bound * rng.choice((-1.0, 1.0), 6)
+        self._last = bound * rng.choice((-1.0, 1.0), 6) if first is None else first
 
     def error(self, wrench: Array, stiffness: Array | None) -> Array:
         """Error (6,) of this sample.
@@ -52,9 +52,9 @@ class Adversary:
             case "corner":
                 self._last = self._bound * self._rng.choice((-1.0, 1.0), 6)
             case "axis" if stiffness is not None:
-                self._last = self._hide_worst_axis(wrench, stiffness)
+                self._last = self._bound * self._hide_worst_axis(wrench, stiffness)
             case "potential" if stiffness is not None:
-                self._last = self._raise_potential(wrench, stiffness)
+                self._last = self._bound * self._raise_potential(wrench, stiffness)
         return self._last
 
     def hold(self) -> Array:
@@ -67,16 +67,16 @@ class Adversary:
         # Yielding moves axis j along sign_j; that changes the worst axis by -matrix[worst, j] sign_j.
         helps = -sign[worst] * matrix[worst] * sign > 0.0
         helps[worst] = False
-        return self._bound * np.where(helps, sign, -sign)
+        return np.where(helps, sign, -sign)
 
     def _raise_potential(self, wrench: Array, matrix: Array) -> Array:
         usable = self._limit - self._bound
-        room = (1.0 - self._start) * usable
+        room = (1.0 - YIELD_START) * usable
         corners = self._rng.choice((-1.0, 1.0), (24, 6))
-        corners[0] = self._hide_worst_axis(wrench, matrix) / self._bound
+        corners[0] = self._hide_worst_axis(wrench, matrix)
         seen = wrench + corners * self._bound
-        yielding = np.sign(seen) * np.maximum(np.abs(seen) - self._start * usable, 0.0) / room**2
-        beyond = np.sign(wrench) * np.maximum(np.abs(wrench) - self._start * usable, 0.0) / room**2
+        yielding = np.sign(seen) * np.maximum(np.abs(seen) - YIELD_START * usable, 0.0) / room**2
+        beyond = np.sign(wrench) * np.maximum(np.abs(wrench) - YIELD_START * usable, 0.0) / room**2
         size = np.linalg.norm(yielding * room, axis=1) + 1e-12
         growth = -(yielding @ matrix.T) @ beyond / size
-        return corners[int(np.argmax(growth))] * self._bound
+        return corners[int(np.argmax(growth))]

@@ -73,6 +73,7 @@ class Case:
         timing: periods, delays and lag.
         declared: what the controller is told.
         adversary: kind of measurement error, see ``adversary.KINDS``.
+        error: (6,) the error of kind "constant" [N, Nm]; drawn if None.
         targets: in order of time.
         shift_times: (n,) [s] of the environment's way points.
         shift: (n, 3) [m], how far it has moved there.
@@ -96,6 +97,7 @@ class Case:
     shift: Array
     quiet: float
     duration: float
+    error: Array | None = None
 
     def moved(self, times: Array) -> Array:
         """How far the environment has moved (n, 3) [m] at ``times`` (n,) [s]."""

@@ -1,7 +1,8 @@
 """Elastic laws of a single contact point: springs, surfaces with friction, constant loads.
 
 A law gives the force on a point as a function of the point's path, in axes in which the law stands still. Without
-friction the force is the gradient of an elastic energy. Arrays along a path have the path's n samples as their first dimension.
+friction the force is the gradient of an elastic energy. Arrays along a path have the path's n samples as their first
+dimension.
 """
 
 from __future__ import annotations

@@ -5,6 +5,7 @@ A case is a function of the seed, the set's name and its number only, so each on
 
 from __future__ import annotations
 
+import math
 import zlib
 from dataclasses import dataclass
 
@@ -27,7 +28,7 @@ class Group:
 
     Attributes:
         stiffness: declared sum over the contacts, lowest and highest, drawn evenly on a logarithmic scale [N/m].
-        reach: largest lever arm [m].
+        reach: largest lever arm [m]; drawn from a twentieth of it, evenly on a logarithmic scale.
         true_share: the least share of the declared stiffness that is really there.
         travel: targets lie this far from the start [m].
         turn: and are turned by this much [rad].
@@ -67,7 +68,7 @@ def draw(seed: int, name: str, number: int) -> Case:
     error = rng.uniform(0.0, 1.0) * np.repeat((1.5, 0.1), 3)
     declared_stiffness = float(np.exp(rng.uniform(*np.log(group.stiffness))))
     true_stiffness = declared_stiffness * rng.uniform(group.true_share, 1.0)
-    reach = rng.uniform(0.05, 1.0, 3) * group.reach
+    reach = np.exp(rng.uniform(math.log(0.05), 0.0, 3)) * group.reach
     drawn = [
         _contact(rng, position, rotation, reach, share * true_stiffness)
         for share in rng.dirichlet(np.full(int(rng.integers(1, 4)), 3.0))

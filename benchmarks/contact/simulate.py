@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -17,6 +18,9 @@ from shared.spatial import Array
 # that do not may move faster: the sub-steps are never shorter than 1/200 period, and the peak is then far over anyway.
 _CHANGE = 0.02
 _LONGEST_STEP = 2e-3
+# A swing of the wrench smaller than this share of the limit is no oscillation, nor is turning around less often.
+_SWING = 0.01
+_TURNS = 4
 
 
 class Law(Protocol):
@@ -48,8 +52,9 @@ class Result:
         time: of the peak [s].
         travelled: path length of the tool origin [m].
         turned: path length of its rotation [rad].
-        missing: distance from the target at the end [m].
+        offset: position less target at the end (3,) [m].
         swing: back-and-forth of the wrench in the first and second half of the quiet end, in limits per second.
+        turns: how often the wrench turns around in the second half, by more than a hundredth of a limit each time.
         within_reach: whether no loaded contact left the declared reach.
         within_squeeze: whether the forces of all contacts together stayed within the limits, axis by axis.
         trace: the whole run, where it was asked for.
@@ -60,8 +65,9 @@ class Result:
     time: float
     travelled: float
     turned: float
-    missing: float
+    offset: tuple[float, float, float]
     swing: tuple[float, float]
+    turns: int
     within_reach: bool
     within_squeeze: bool
     trace: Trace | None = None
@@ -72,10 +78,15 @@ class Result:
         return self.within_reach and self.within_squeeze
 
     @property
+    def missing(self) -> float:
+        """Distance from the target at the end [m]."""
+        return math.hypot(*self.offset)
+
+    @property
     def sustained(self) -> bool:
-        """Whether it oscillates without decaying."""
+        """Whether it still oscillates at the end, and has not calmed down by a fifth meanwhile."""
         first, second = self.swing
-        return second > 0.1 and second > 0.8 * first
+        return self.turns >= _TURNS and second > 0.8 * first
 
 
 def simulate(case: Case, law: Law, keep_trace: bool = False) -> Result:
@@ -84,7 +95,7 @@ def simulate(case: Case, law: Law, keep_trace: bool = False) -> Result:
     timing = case.timing
     robot = Robot(case.position.copy(), case.rotation.copy(), timing.lag)
     world = World(case.contacts, robot.position, robot.rotation)
-    adversary = Adversary(case.adversary, case.error_bound, case.limit, rng)
+    adversary = Adversary(case.adversary, case.error_bound, case.limit, rng, case.error)
     reach = float(np.linalg.norm(case.declared.contact_reach))
 
     start = case.moved(np.zeros(1))
@@ -148,8 +159,9 @@ def _measure(case: Case, path: Path, wrenches: Array, robot: Robot, world: World
         time=float(path.times[row]),
         travelled=float(robot.travelled[0]),
         turned=float(robot.travelled[1]),
-        missing=float(np.linalg.norm(robot.position - target.position)),
+        offset=tuple((robot.position - target.position).tolist()),
         swing=(_swing(path.times, ratio, settled, middle), _swing(path.times, ratio, middle, case.duration)),
+        turns=max(_turning_points(column) for column in ratio[path.times >= middle].T),
         within_reach=bool(np.all(world.reach <= allowed)),
         within_squeeze=bool(np.all(world.squeeze <= case.limit[:3] + np.abs(case.nominal[:3]) + 1e-9)),
         trace=Trace(path.times, ratio, path.positions) if keep else None,
@@ -163,3 +175,16 @@ def _swing(times: Array, ratio: Array, start: float, end: float) -> float:
         return 0.0
     variation = np.abs(np.diff(part, axis=0)).sum(axis=0) - np.abs(part[-1] - part[0])
     return float(variation.max() / (end - start))
+
+
+def _turning_points(values: Array) -> int:
+    """How often ``values`` (n,) turn around by more than ``_SWING``."""
+    count, direction = 0, 0
+    low = high = float(values[0])
+    for value in values.tolist():
+        low, high = min(low, value), max(high, value)
+        if direction <= 0 and value > low + _SWING:
+            count, direction, high = count + (direction < 0), 1, value
+        elif direction >= 0 and value < high - _SWING:
+            count, direction, low = count + (direction > 0), -1, value
+    return count

@@ -1,0 +1,71 @@
+"""The controller's own law classes, set up for a case."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from benchmarks.contact.adversary import YIELD_START
+from benchmarks.contact.cases import Case, Target
+from services.controller.box_laws import PaperLaw, StiffnessLaw
+from services.controller.certified import CertifiedLaw
+from services.controller.law import Law, LawInput
+from services.controller.parameters import ControllerParameters
+from shared.spatial import Array
+
+_SETTINGS: dict[str, tuple[type[Law], dict[str, Any]]] = {
+    "paper": (PaperLaw, {"law": "paper", "barrier_rate": (1.0, 1.0, 1.0, 10.0, 10.0, 10.0)}),
+    "stiffness": (StiffnessLaw, {"law": "stiffness"}),
+    "certified": (CertifiedLaw, {}),
+    "certified-rounded": (CertifiedLaw, {"yield_start": YIELD_START}),
+}
+LAWS = tuple(_SETTINGS)
+
+
+class CaseLaw:
+    """A law of the controller with what a case declares to it."""
+
+    def __init__(self, law: Law) -> None:
+        self.law = law
+
+    def twist(
+        self, wrench: Array, position: Array, rotation: Array, target: Target, case: Case, dt: float
+    ) -> Array:
+        """Commanded twist (6,), see ``simulate.Law``.
+
+        Raises:
+            RuntimeError: if the law reports a failure; in these cases nothing may fail.
+        """
+        output = self.law.step(
+            LawInput(
+                wrench=wrench - case.nominal,
+                limit=case.limit,
+                error_bound=case.error_bound,
+                position=position,
+                rotation=rotation,
+                target_position=target.position,
+                target_rotation=target.rotation,
+                nominal=case.nominal,
+            ),
+            dt,
+        )
+        if output.failure is not None:
+            raise RuntimeError(f"{self.law.name} failed in {case.group}: {output.failure}")
+        return output.twist
+
+
+def parameters(name: str, case: Case) -> ControllerParameters:
+    """The controller's parameters for the law called ``name`` in ``LAWS``."""
+    timing = case.timing
+    return ControllerParameters(
+        **asdict(case.declared),
+        **_SETTINGS[name][1],
+        period=timing.declared_period,
+        delay=timing.declared_delay,
+        lag=timing.declared_lag,
+    )
+
+
+def make_law(name: str, case: Case) -> CaseLaw:
+    """The law called ``name`` in ``LAWS``, at rest."""
+    return CaseLaw(_SETTINGS[name][0](parameters(name, case)))

@@ -1,0 +1,163 @@
+"""Every law through every case, over several processes, and what the results are summed up to."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.contact import scripted
+from benchmarks.contact.cases import Case
+from benchmarks.contact.laws import LAWS, make_law
+from benchmarks.contact.sampling import GROUPS, draw
+from benchmarks.contact.simulate import Result, simulate
+
+OVER = 1.0005
+"""A peak counts as over the limit from here on: what the simulation's own rounding leaves open."""
+
+SCRIPTED = {"oblique spring": scripted.oblique_spring, "turning face": scripted.turning_face}
+
+
+@dataclass(frozen=True)
+class Job:
+    """One case to run with some laws."""
+
+    seed: int
+    group: str
+    number: int
+    laws: tuple[str, ...] = LAWS
+
+    def case(self) -> Case:
+        """The case that this is about."""
+        if self.group in SCRIPTED:
+            return SCRIPTED[self.group](self.number)
+        return draw(self.seed, self.group, self.number)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One law in one case."""
+
+    job: Job
+    law: str
+    rate: float
+    adversary: str
+    at_rest: bool
+    result: Result
+
+    @property
+    def over(self) -> bool:
+        """Whether the wrench exceeded a limit."""
+        return self.result.peak > OVER
+
+    def record(self) -> dict[str, object]:
+        """Flat and plain, for the CSV."""
+        result = self.result
+        return {
+            "set": self.job.group,
+            "number": self.job.number,
+            "seed": self.job.seed,
+            "law": self.law,
+            "rate_hz": round(self.rate, 3),
+            "adversary": self.adversary,
+            "peak_over_limit": result.peak,
+            "axis": ("fx", "fy", "fz", "tx", "ty", "tz")[result.axis],
+            "time_s": result.time,
+            "travelled_m": result.travelled,
+            "turned_rad": result.turned,
+            "missing_m": result.missing,
+            "swing_first": result.swing[0],
+            "swing_second": result.swing[1],
+            "turns": result.turns,
+            "sustained": int(result.sustained),
+            "within_reach": int(result.within_reach),
+            "within_squeeze": int(result.within_squeeze),
+        }
+
+
+def run_job(job: Job) -> list[Row]:
+    """All laws of one job."""
+    case = job.case()
+    rows = []
+    for name in job.laws:
+        result = simulate(case, make_law(name, case))
+        rows.append(Row(job, name, 1.0 / case.timing.period, case.adversary, case.at_rest, result))
+    return rows
+
+
+def run_all(jobs: list[Job], processes: int) -> Iterator[list[Row]]:
+    """Rows of all jobs, in their order, computed by ``processes`` processes."""
+    if processes <= 1:
+        yield from map(run_job, jobs)
+        return
+    with ProcessPoolExecutor(processes) as pool:
+        yield from pool.map(run_job, jobs, chunksize=4)
+
+
+@dataclass(frozen=True)
+class Summary:
+    """One law over one set; peaks in limits, lengths in metres."""
+
+    group: str
+    law: str
+    cases: int
+    covered: int
+    p50: float
+    p95: float
+    highest: float
+    over: float
+    over_covered: int
+    sustained: float
+    travelled: float
+    missing: float
+
+
+def summarise(rows: list[Row]) -> list[Summary]:
+    """One summary per set and law, sets in the order of the rows."""
+    groups = list(dict.fromkeys(row.job.group for row in rows))
+    laws = list(dict.fromkeys(row.law for row in rows))
+    return [
+        _summary(group, law, chosen)
+        for group in groups
+        for law in laws
+        if (chosen := [row.result for row in rows if row.job.group == group and row.law == law])
+    ]
+
+
+def _summary(group: str, law: str, results: list[Result]) -> Summary:
+    peaks = np.array([result.peak for result in results])
+    return Summary(
+        group=group,
+        law=law,
+        cases=len(results),
+        covered=sum(result.covered for result in results),
+        p50=float(np.quantile(peaks, 0.5)),
+        p95=float(np.quantile(peaks, 0.95)),
+        highest=float(peaks.max()),
+        over=float(np.mean(peaks > OVER)),
+        over_covered=sum(result.covered and result.peak > OVER for result in results),
+        sustained=float(np.mean([result.sustained for result in results])),
+        travelled=float(np.median([result.travelled for result in results])),
+        missing=float(np.median([result.missing for result in results])),
+    )
+
+
+def plan(seed: int, cases: int) -> list[Job]:
+    """About ``cases`` random cases over all sets, and the scripted ones; sets that move weigh half."""
+    weights = {name: 2 if group.speed == 0.0 else 1 for name, group in GROUPS.items()}
+    share = cases / sum(weights.values())
+    jobs = [
+        Job(seed, name, number) for name, weight in weights.items() for number in range(round(share * weight))
+    ]
+    every = max(1, round(2000 / cases))
+    jobs += [Job(seed, "oblique spring", number) for number in range(0, 240, every)]
+    jobs += [Job(seed, "turning face", number) for number in range(0, 40, every)]
+    return jobs
+
+
+def shuffled(jobs: list[Job]) -> list[Job]:
+    """The jobs in a fixed mixed order, so that slow sets spread over the processes."""
+    return sorted(jobs, key=lambda job: zlib.crc32(f"{job.group}:{job.number}".encode()))
