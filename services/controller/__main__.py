@@ -1,0 +1,7 @@
+"""``python -m services.controller``."""
+
+import sys
+
+from services.controller.main import main
+
+sys.exit(main())

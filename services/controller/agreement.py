@@ -1,0 +1,38 @@
+"""The limits and the nominal wrench in force: those of the target, without a jump when it changes them in contact."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shared.spatial import Array
+
+_RAMP_RATE = 2.0
+"""Change per second in shares of the limit: a limit is halved in 0.35 s, the nominal wrench moves by it in 0.5 s."""
+
+
+class Agreement:
+    """Follows the target's limits and nominal wrench.
+
+    A limit that rises holds at once. One that falls, and the nominal wrench, are ramped: until then the promise is the
+    limit that is still in force (docs/guarantee.md, "Changing limits").
+
+    Attributes:
+        limit: wbar (6,) [N, Nm] in force.
+        nominal: (6,) [N, Nm] in force.
+    """
+
+    def __init__(self) -> None:
+        self.limit = np.full(6, np.inf)
+        self.nominal = np.zeros(6)
+        self._begun = False
+
+    def follow(self, limit: Array, nominal: Array, dt: float) -> None:
+        """Move towards the target's limit and nominal wrench (6,), ``dt`` [s] after the last call."""
+        if not self._begun:
+            self._begun = True
+            self.limit, self.nominal = limit.copy(), nominal.copy()
+            return
+        share = min(1.0, _RAMP_RATE * dt)
+        step = share * self.limit
+        self.limit = np.maximum(limit, self.limit - step)
+        self.nominal = self.nominal + np.clip(nominal - self.nominal, -step, step)

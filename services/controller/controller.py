@@ -1,0 +1,200 @@
+"""The controller service: one tool twist per external wrench."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from services.controller.agreement import Agreement
+from services.controller.latch import SensorLatch
+from services.controller.laws import LawInput, LawOutput, make_law
+from services.controller.parameters import ControllerParameters
+from services.controller.qp import Timer, no_timer
+from shared.faults import Fault
+from shared.messages import ControlStatus, ControlTarget, EndEffector, ExternalWrench, TwistCommand
+from shared.parameters import Parameters, Refused
+from shared.service import Inputs, Output, Wiring
+from shared.spatial import Array, rotation_matrix
+from shared.topics import (
+    COMMAND_EE_TWIST,
+    CONTROL_PARAMETERS,
+    CONTROL_STATUS,
+    CONTROL_TARGET,
+    STATE_EE,
+    STOP,
+    WRENCH_EXTERNAL,
+    Query,
+)
+
+_SHOWN_FOR = 10.0
+"""Time [s] for which the health keeps showing a failed quadratic program."""
+_ZERO = np.zeros(6)
+
+
+class Controller:
+    """Keeps the wrench within the target's limits and otherwise the tool at the target's pose.
+
+    Args:
+        parameters: checked parameters.
+        timer: steady nanoseconds, for ``solve_us`` and the solver's time limit only.
+    """
+
+    wiring = Wiring(
+        name="controller",
+        driver=WRENCH_EXTERNAL,
+        required=(WRENCH_EXTERNAL, STATE_EE),
+        optional=(CONTROL_TARGET, STOP),
+        parameters=CONTROL_PARAMETERS,
+    )
+
+    def __init__(self, parameters: ControllerParameters, timer: Timer = no_timer) -> None:
+        self.parameters: Parameters = parameters
+        self._settings = parameters
+        # A message later than the fastest one by more than the declared delay proves that the delay is exceeded.
+        self.max_delay = parameters.delay
+        self._timer = timer
+        self.law = make_law(parameters, timer)
+        self._latch = SensorLatch()
+        self._agreement = Agreement()
+        self._target: ControlTarget | None = None
+        self._limit = self._nominal = _ZERO
+        self._target_rotation = np.eye(3)
+        self._refused = self._refused_before = ""
+        self._stopped: str | None = None
+        self._settling = 0.0
+        self._margin = _ZERO
+        self._failures = 0
+        self._show_failure = 0.0
+
+    def step(self, inputs: Inputs, dt: float) -> list[Output]:
+        """The twist for the newest wrench, then the status."""
+        self._listen(inputs)
+        self._settling = max(0.0, self._settling - dt)
+        self._show_failure = max(0.0, self._show_failure - dt)
+        wrench, tool = inputs[WRENCH_EXTERNAL].message, inputs[STATE_EE].message
+        measured = np.concatenate((wrench.force, wrench.torque))
+        if self._target is not None:
+            self._agreement.follow(self._limit, self._nominal, dt)
+            self._margin = self._limit - np.abs(measured - self._nominal) - wrench.error_bound
+        holding = self._holding()
+        if holding is not None:
+            return self._rest(*holding, dt)
+        return self._decide(measured, wrench, tool, dt)
+
+    def brake(self, fault: Fault, dt: float) -> list[Output]:
+        """A twist of zero, and why."""
+        self._latch.fault(fault, dt)
+        if self._latch.reason:
+            return self._rest("braking", self._latch.reason, dt)
+        return self._rest("waiting" if fault.waiting else "braking", fault.text, dt)
+
+    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
+        """There is none besides the parameters.
+
+        Raises:
+            Refused: always.
+        """
+        raise Refused(f"{query.key} is not served by the controller")
+
+    def apply(self, parameters: Parameters) -> None:
+        """Take over parameters; after a change of the timing it rests until all that is in flight is counted with it."""
+        assert isinstance(parameters, ControllerParameters)
+        before = self._settings
+        self.parameters = self._settings = parameters
+        self.max_delay = parameters.delay
+        self.law = make_law(parameters, self._timer, previous=self.law)
+        timing = (parameters.period, parameters.delay, parameters.lag)
+        if timing != (before.period, before.delay, before.lag):
+            self._settling = parameters.horizon + parameters.lag
+
+    def notes(self) -> str:
+        """Refused targets, and the last quadratic program that failed, with its data."""
+        notes = []
+        if self._refused != self._refused_before:
+            notes.append(f"{CONTROL_TARGET.key}: {self._refused}; the last valid one stays in force")
+        if self._show_failure > 0.0 and self.law.last_failure is not None:
+            data = json.dumps(self.law.last_failure, default=str)
+            notes.append(
+                f"{self._failures} ticks braked for a failed quadratic program, the last one: {data}"
+            )
+        return "; ".join(notes)
+
+    def _listen(self, inputs: Inputs) -> None:
+        """Take in a new target or stop."""
+        stop = inputs.get(STOP)
+        if stop is not None and stop.new:
+            engaged = stop.message.engaged
+            self._stopped = (stop.message.reason or "no reason given") if engaged else None
+            if not engaged:
+                self._latch.release()
+        self._latch.healthy()
+        self._refused = inputs.refusals(CONTROL_TARGET)
+        target = inputs.get(CONTROL_TARGET)
+        if target is None or not target.new or not target.header.valid:
+            return
+        self._refused_before = self._refused
+        self._target = target.message
+        self._limit = np.concatenate((self._target.force_limit, self._target.torque_limit))
+        self._nominal = np.concatenate((self._target.nominal_force, self._target.nominal_torque))
+        self._target_rotation = rotation_matrix(self._target.orientation)
+
+    def _holding(self) -> tuple[str, str] | None:
+        """State and reason if the inputs are healthy but the tool has to rest all the same."""
+        if self._latch.reason:
+            return "braking", self._latch.reason
+        if self._stopped is not None:
+            return "braking", f"stop is engaged: {self._stopped}"
+        if self._target is None:
+            refused = f": {self._refused}" if self._refused else ""
+            return "waiting", f"no valid {CONTROL_TARGET.key} yet{refused}"
+        if self._settling > 0.0:
+            return "waiting", "the timing was changed: resting until it holds for everything commanded"
+        return None
+
+    def _decide(self, measured: Array, wrench: ExternalWrench, tool: EndEffector, dt: float) -> list[Output]:
+        assert self._target is not None
+        nominal = self._agreement.nominal
+        output = self.law.step(
+            LawInput(
+                wrench=measured - nominal,
+                limit=self._agreement.limit,
+                error_bound=wrench.error_bound,
+                position=tool.position,
+                rotation=rotation_matrix(tool.orientation),
+                target_position=self._target.position,
+                target_rotation=self._target_rotation,
+                nominal=nominal,
+            ),
+            dt,
+        )
+        if output.failure is not None:
+            if self.law.last_failure is not None and self.law.last_failure["reason"] == output.failure:
+                self._failures += 1
+                self._show_failure = _SHOWN_FOR
+            return self._outputs("braking", output.failure, output)
+        reason = self._refused if self._refused != self._refused_before else ""
+        return self._outputs("yielding" if output.yielding else "tracking", reason, output)
+
+    def _rest(self, state: str, reason: str, dt: float) -> list[Output]:
+        self.law.brake(dt)
+        return self._outputs(state, reason, LawOutput(_ZERO, _ZERO))
+
+    def _outputs(self, state: str, reason: str, output: LawOutput) -> list[Output]:
+        twist = output.twist
+        status = ControlStatus(
+            state=state,
+            reason=reason,
+            law=self.law.name,
+            twist=twist,
+            margin=self._margin,
+            active=output.active,
+            relaxation=output.relaxation,
+            lyapunov=output.lyapunov,
+            solve_us=self.law.solve_us,
+        )
+        # The time to live is what makes T true: the robot drops a command that is older.
+        command = TwistCommand(twist[:3], twist[3:], ttl=self._settings.period)
+        return [Output(COMMAND_EE_TWIST, command), Output(CONTROL_STATUS, status)]

@@ -1,0 +1,19 @@
+"""The controller as a process."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from services.controller.controller import Controller
+from services.controller.parameters import ControllerParameters
+from shared.clock import SteadyClock
+from shared.process import run
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run until SIGTERM; returns the exit status."""
+
+    def make(parameters: ControllerParameters) -> Controller:
+        return Controller(parameters, SteadyClock().now_ns)
+
+    return run(make, ControllerParameters, "controller", None if arguments is None else list(arguments))
