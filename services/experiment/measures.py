@@ -90,7 +90,7 @@ def measure(recording: Recording) -> Measures:
         ground_ripple=float(np.std(height[ground_way])) if ground_way.any() else float("nan"),
         return_error=float(np.max(back[time >= time[-1] - 0.5])),
         return_time=float((away[-1] if away.size else unload) - unload),
-        error_bound=float(np.max(recording.series(wrench, "error_bound")[:, 2])),
+        error_bound=float(np.max(recording.series(wrench, "error_bound")[force_time >= 0.0, 2])),
         max_linear=float(recording.series(topics.STATE_ROBOT.key, "max_linear")[-1]),
     )
 

@@ -34,7 +34,8 @@ class Recording:
     """All series of one run.
 
     `meta` describes the run (name, law, limits, settings; JSON types only). `topics` maps a key without the robot's
-    prefix to its columns: `time` (n,) [s] and one array (n,) or (n, k) per field, units as in the message.
+    prefix to its columns: `time` (n,) [s] and one array (n,) or (n, k) per field, units as in the message (a field
+    that is itself called time becomes `message_time`).
     """
 
     meta: dict[str, Any]
@@ -123,6 +124,8 @@ class Recorder:
         for key, rows in sorted(self._rows.items()):
             rows = list(rows)
             columns = _columns([flatten(message) for _, message in rows])
+            if "time" in columns:
+                columns["message_time"] = columns.pop("time")
             topics[key] = {"time": np.array([time for time, _ in rows]) - start, **columns}
         shifted = [Event(event.time - start, event.name, event.detail) for event in events]
         return Recording(meta, shifted, topics)

@@ -1,0 +1,69 @@
+"""What is recorded can be read back, as arrays and as CSV, whatever the messages hold."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from services.experiment.recording import Event, Recorder, Recording
+from shared.messages import BagState, Health, InputHealth, JointState, SimWorld
+
+
+def world(time: float, bag: BagState | None) -> SimWorld:
+    return SimWorld(time, None, bag, None, np.zeros(3), False)
+
+
+@pytest.fixture
+def recording() -> Recording:
+    recorder = Recorder()
+    recorder.heard("sim/world", 10.0, world(0.5, None))
+    recorder.heard("sim/world", 11.0, world(1.5, BagState(2.0, 0.25)))
+    for time in (10.0, 10.5):
+        recorder.heard("state/joints", time, JointState(("a", "b"), (time, 2.0), (0.0, 0.0), (0.0, 0.0)))
+    inputs = {"sensor/ft": InputHealth(0.01, 100.0, 0, True)}
+    recorder.heard("health/wrench", 10.2, Health("ok", "", 100.0, 1.0, 2.0, 0, inputs))
+    return recorder.finish({"name": "run"}, [Event(10.25, "start"), Event(12.0, "end", "done")], start=10.0)
+
+
+def test_times_and_events_count_from_the_start_not_from_a_field_called_time(recording: Recording) -> None:
+    assert recording.time("sim/world").tolist() == [0.0, 1.0]
+    assert recording.series("sim/world", "message_time").tolist() == [0.5, 1.5]
+    assert [event.time for event in recording.events] == [0.25, 2.0]
+
+
+def test_an_absent_part_is_nan_and_never_zero(recording: Recording) -> None:
+    np.testing.assert_equal(recording.series("sim/world", "bag.height"), [np.nan, 0.25])
+    assert "panel" not in recording.topics["sim/world"]
+
+
+def test_survives_saving(recording: Recording, tmp_path: Path) -> None:
+    recording.save(tmp_path / "run.npz")
+    again = Recording.load(tmp_path / "run.npz")
+    assert again.meta == recording.meta
+    assert again.events == recording.events
+    assert again.topics.keys() == recording.topics.keys()
+    for key, columns in recording.topics.items():
+        for name, values in columns.items():
+            np.testing.assert_array_equal(again.topics[key][name], values)
+    assert again.series("state/joints", "name").tolist() == [["a", "b"]]
+
+
+def test_csv_has_a_column_per_component(recording: Recording, tmp_path: Path) -> None:
+    paths = {path.name: path for path in recording.write_csv(tmp_path)}
+    assert set(paths) == {"sim_world.csv", "state_joints.csv", "health_wrench.csv", "events.csv"}
+    with paths["state_joints.csv"].open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["position.0"]) for row in rows] == [10.0, 10.5]
+    assert [float(row["time"]) for row in rows] == [0.0, 0.5]
+    with paths["health_wrench.csv"].open() as file:
+        assert "sensor/ft" in next(csv.DictReader(file))["inputs"]
+
+
+def test_what_is_missing_is_named(recording: Recording) -> None:
+    with pytest.raises(KeyError, match="state/ee was not heard"):
+        recording.time("state/ee")
+    with pytest.raises(KeyError, match="no field 'force'"):
+        recording.series("sim/world", "force")
