@@ -1,0 +1,1 @@
+"""Sources, relays and sinks whose latencies `benchmarks.chain` compares."""

@@ -1,0 +1,121 @@
+"""Source and sink of the chain: ``python -m benchmarks.latency.chain_probe <endpoint> <rate> <seconds>``.
+
+The stub robot with the real gate: its ``sensor/ft`` puts and the arrivals of ``command/ee_twist`` are timed on its bus.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+
+import numpy as np
+
+from benchmarks.latency.pacing import printed
+from shared.bus import OnPayload
+from shared.bus_zenoh import ZenohBus
+from shared.client import Client
+from shared.clock import SteadyClock, seconds
+from shared.messages import ControlTarget
+from shared.runner import Runner
+from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, health_topic
+from tests.support.stub_robot import StubParameters, StubRobot
+
+WARM_UP = 1.0
+"""Time [s] between the first command that the gate executes and the measurement."""
+PATIENCE = 20.0
+"""Longest time [s] to wait for that command."""
+SERVICES = ("wrench", "controller")
+
+
+class TimedBus(ZenohBus):
+    """A bus that notes when samples leave and commands arrive, in ns of the steady clock."""
+
+    def __init__(self, endpoint: str) -> None:
+        super().__init__(connect=endpoint)
+        self.puts: list[int] = []
+        self.arrivals: list[int] = []
+
+    def publish(self, key: str, payload: bytes) -> None:
+        """As the bus does; notes the instant before the put of a sample."""
+        if key == SENSOR_FT.key:
+            self.puts.append(time.monotonic_ns())
+        super().publish(key, payload)
+
+    def subscribe(self, key: str, on_payload: OnPayload) -> None:
+        """As the bus does; notes the instant of a command's arrival."""
+        if key != COMMAND_EE_TWIST.key:
+            super().subscribe(key, on_payload)
+            return
+
+        def timed(payload: bytes) -> None:
+            self.arrivals.append(time.monotonic_ns())
+            on_payload(payload)
+
+        super().subscribe(key, timed)
+
+
+class Probe:
+    """The robot, its pose as the target, and the services' counts of overruns."""
+
+    def __init__(self, endpoint: str, rate: float) -> None:
+        self.bus = TimedBus(endpoint)
+        self.robot = StubRobot(StubParameters(rate=rate))
+        client = Client(self.bus)
+        self.health = [client.watch(health_topic(name)) for name in SERVICES]
+        self._clock = SteadyClock()
+        self._runner = Runner(self.robot, self.bus, self._clock)
+        self._done = threading.Event()
+        threading.Thread(target=self._aim, args=(client,), daemon=True).start()
+
+    def _aim(self, client: Client) -> None:
+        target = ControlTarget(self.robot.position, (0.0, 0.0, 0.0, 1.0), np.full(3, 25.0), np.full(3, 10.0))
+        while not self._done.wait(0.2):
+            client.publish(CONTROL_TARGET, target)
+
+    def run(self, duration: float) -> None:
+        """Be the robot for ``duration`` [s]."""
+        end = self._clock.now_ns() + round(duration * 1e9)
+        while self._clock.now_ns() < end:
+            left = seconds(self._runner.next_deadline() - self._clock.now_ns())
+            if left > 0:
+                time.sleep(left)
+            self._runner.poll()
+
+    def overruns(self) -> dict[str, int]:
+        """Overruns since the start of each service."""
+        return {
+            name: inlet.latest.message.overruns if inlet.latest else -1
+            for name, inlet in zip(SERVICES, self.health, strict=True)
+        }
+
+    def close(self) -> None:
+        """Leave the bus."""
+        self._done.set()
+        self.bus.close()
+
+
+def main() -> int:
+    """Print the latencies [us] and the overruns in between as JSON; 1 if no command came."""
+    endpoint, rate, duration = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
+    probe = Probe(endpoint, rate)
+    began = time.monotonic()
+    while probe.robot.gate.mode != "ready":
+        probe.run(0.05)
+        if time.monotonic() - began > PATIENCE:
+            print(f"no command was executed within {PATIENCE:g} s", file=sys.stderr)
+            return 1
+    probe.run(WARM_UP)
+    before, begin = probe.overruns(), time.monotonic_ns()
+    probe.run(duration)
+    end = time.monotonic_ns()
+    probe.run(0.6)
+    after = probe.overruns()
+    probe.close()
+    overruns = {name: after[name] - before[name] for name in SERVICES}
+    printed(probe.bus.puts, probe.bus.arrivals, begin, end, overruns=overruns)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,174 @@
+"""A robot without physics: it speaks the robot's side of the contract and moves exactly as its gate lets it.
+
+A service like any other, so it runs in the in-process stack (``stack.add(StubRobot(StubParameters()))``) as well as in
+a process of its own (``python -m tests.support.stub_robot --connect ... --set rate=500.0``).
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any, Literal
+
+import numpy as np
+
+from shared import topics
+from shared.faults import Fault
+from shared.limits import Gate, GateLimits
+from shared.messages import BaseState, EndEffector, FtSample, GripperState, JointState, RobotStatus
+from shared.parameters import Parameters, Refused, Vector3, Vector6, parameter
+from shared.process import run
+from shared.service import Inputs, Output, Wiring
+from shared.spatial import Array, quaternion, rotation_from_vector, wrench_about
+from shared.topics import Query
+
+_SENSOR_IN_TOOL = np.array((-0.2, 0.0, 0.0))
+"""Origin of the sensor in tool axes [m]; both frames have the same axes."""
+_JOINTS = tuple(f"arm_right_{number}_joint" for number in range(1, 8))
+_START = (0.5, -0.3, 1.0)
+
+
+class StubParameters(Parameters):
+    """What the stub robot pretends."""
+
+    rate: float = parameter(100.0, unit="Hz", minimum=30.0, maximum=1000.0, doc="sensor/ft")
+    joint_rate: float = parameter(
+        1000.0, unit="Hz", minimum=20.0, maximum=1000.0, doc="state/ee, at most rate"
+    )
+    base_type: Literal["differential", "omni"] = parameter("differential", unit="", doc="kind of base")
+    max_linear: float = parameter(0.5, unit="m/s", minimum=0.01, maximum=2.0, doc="gate, linear")
+    max_angular: float = parameter(1.0, unit="rad/s", minimum=0.01, maximum=3.0, doc="gate, angular")
+    load: Vector6 = parameter((0.0,) * 6, unit="N, Nm", doc="wrench at the tool, base axes")
+    noise: Vector6 = parameter((0.02,) * 3 + (0.002,) * 3, unit="N, Nm", minimum=0.0, doc="deviation")
+    position: Vector3 = parameter(_START, unit="m", doc="of the tool at the start")
+
+
+class StubRobot:
+    """Integrates the twist that its gate lets through; ``load`` (6,) [N, Nm] may be changed at any time."""
+
+    max_delay = 0.2
+
+    def __init__(self, parameters: StubParameters) -> None:
+        self.parameters: Parameters = parameters
+        self._settings = parameters
+        self.gate = Gate(GateLimits(parameters.max_linear, parameters.max_angular, 2.0, 4.0))
+        self.load: Array = np.array(parameters.load)
+        self.position: Array = np.array(parameters.position)
+        self.rotation: Array = np.eye(3)
+        self.base: Array = np.zeros(3)
+        self.base_velocity: Array = np.zeros(3)
+        self.opening = 0.08
+        self.twist: Array = np.zeros(6)
+        self._random = np.random.default_rng(0)
+        self._ticks = 0
+        self._told = ("", "")
+        self.wiring = Wiring(
+            name="robot",
+            driver=1.0 / parameters.rate,
+            optional=(
+                topics.COMMAND_EE_TWIST,
+                topics.COMMAND_BASE_TWIST,
+                topics.COMMAND_GRIPPER,
+                topics.COMMAND_HEAD,
+                topics.STOP,
+            ),
+            overrun_share=1.0,
+        )
+
+    def step(self, inputs: Inputs, dt: float) -> list[Output]:
+        """Execute for ``dt`` [s] what the gate lets through, then say where that led."""
+        stop = inputs.get(topics.STOP)
+        if stop is not None and stop.new:
+            self.gate.stop(stop.message.engaged, stop.message.reason)
+        command = inputs.get(topics.COMMAND_EE_TWIST)
+        if command is not None and command.new:
+            message = command.message
+            self.gate.command(message.linear, message.angular, message.ttl, command.age, command.header.valid)
+        gripper = inputs.get(topics.COMMAND_GRIPPER)
+        if gripper is not None:
+            self.opening = gripper.message.opening
+        self._move(dt, self._base_velocity(inputs))
+        self._ticks += 1
+        return self._outputs(inputs)
+
+    def brake(self, fault: Fault, dt: float) -> list[Output]:
+        """Nothing moves while the loop is not working."""
+        self._told = ("holding", fault.text)
+        return [Output(topics.STATE_ROBOT, self._status())]
+
+    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
+        """Refuse: this robot answers no queries."""
+        raise Refused(f"{query.key}: the stub robot has nothing to command")
+
+    def apply(self, parameters: Parameters) -> None:
+        """The parameters hold for the whole run."""
+        self.parameters = parameters
+
+    def notes(self) -> str:
+        """Nothing to tell."""
+        return ""
+
+    def _base_velocity(self, inputs: Inputs) -> Array:
+        command = inputs.get(topics.COMMAND_BASE_TWIST)
+        live = command is not None and command.header.valid and command.age < command.message.ttl
+        return command.message.velocity if live and self.gate.mode != "stopped" else np.zeros(3)
+
+    def _move(self, dt: float, base_velocity: Array) -> None:
+        self.twist = self.gate.advance(dt)
+        self.position = self.position + dt * self.twist[:3]
+        if self.twist[3:].any():
+            self.rotation = rotation_from_vector(dt * self.twist[3:]) @ self.rotation
+        cosine, sine = np.cos(self.base[2]), np.sin(self.base[2])
+        vx, vy, wz = base_velocity
+        self.base = self.base + dt * np.array((cosine * vx - sine * vy, sine * vx + cosine * vy, wz))
+        self.base_velocity = base_velocity
+
+    def _due(self, rate: float) -> bool:
+        every = max(1, round(self._settings.rate / rate))
+        return self._ticks % every == 0
+
+    def _outputs(self, inputs: Inputs) -> list[Output]:
+        outputs = [Output(topics.SENSOR_FT, self._ft_sample())]
+        if self._due(self._settings.joint_rate):
+            tool = EndEffector(self.position, quaternion(self.rotation), self.twist[:3], self.twist[3:])
+            outputs.append(Output(topics.STATE_EE, tool))
+        if self._due(topics.STATE_JOINTS.rate):
+            zeros = np.zeros(len(_JOINTS))
+            outputs.append(Output(topics.STATE_JOINTS, JointState(_JOINTS, zeros, zeros, zeros)))
+        if self._due(topics.STATE_BASE.rate):
+            state = BaseState(self.base[:2], self.base[2], self.base_velocity)
+            outputs.append(Output(topics.STATE_BASE, state))
+        if self._due(topics.STATE_GRIPPER.rate):
+            outputs.append(Output(topics.STATE_GRIPPER, GripperState(self.opening, 0.0, False)))
+        refused = inputs.refusals(topics.COMMAND_EE_TWIST)
+        told = (self.gate.mode, "; ".join(text for text in (self.gate.reason, refused) if text))
+        if self._due(topics.STATE_ROBOT.rate) or told[0] != self._told[0]:
+            self._told = told
+            outputs.append(Output(topics.STATE_ROBOT, self._status()))
+        return outputs
+
+    def _ft_sample(self) -> FtSample:
+        # The tool's origin from the sensor's, about which the sensor reads.
+        offset = -_SENSOR_IN_TOOL
+        to_sensor = self.rotation.T
+        in_sensor = np.concatenate((to_sensor @ self.load[:3], to_sensor @ self.load[3:]))
+        wrench = wrench_about(in_sensor, offset)
+        wrench = wrench + self._random.normal(0.0, self._settings.noise)
+        return FtSample(wrench[:3], wrench[3:], quaternion(self.rotation), offset, False)
+
+    def _status(self) -> RobotStatus:
+        mode, reason = self._told
+        limits = self.gate.limits
+        return RobotStatus(
+            mode,
+            reason,
+            self._settings.base_type,
+            False,
+            limits.max_linear,
+            limits.max_angular,
+            (0.5, 0.0, 0.5),
+        )
+
+
+if __name__ == "__main__":
+    sys.exit(run(StubRobot, StubParameters, "robot"))
