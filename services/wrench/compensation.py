@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from shared.spatial import Array, cross, wrench_about
+from shared.spatial import Array, cross
 
 GRAVITY = 9.81
 """Standard gravity as the contract rounds it [m/s^2]."""
@@ -90,14 +90,17 @@ class Compensation:
         return Compensation("tare", bias=reading, bias_error=error, noise=noise, up=rotation[2].copy())
 
 
-def external_wrench(reading: Array, compensation: Compensation, rotation: Array, tool_offset: Array) -> Array:
-    """External wrench (6,) [N, Nm] about the tool's origin in base axes.
+def transport(rotation: Array, tool_offset: Array) -> Array:
+    """Matrix (6, 6) that takes a wrench about the sensor in sensor axes to one about the tool in base axes.
+
+    With o the tool's offset: force_base = R f, torque_base = R (tau - o x f).
 
     Args:
-        reading: raw force and torque (6,), sensor axes, about the sensor's origin.
-        compensation: what to subtract.
         rotation: sensor in base (3, 3).
         tool_offset: tool's origin from the sensor's origin (3,) [m], sensor axes.
     """
-    at_tool = wrench_about(reading - compensation.offset(rotation), -tool_offset)
-    return np.concatenate((rotation @ at_tool[:3], rotation @ at_tool[3:]))
+    x, y, z = tool_offset.tolist()
+    matrix = np.zeros((6, 6))
+    matrix[:3, :3] = matrix[3:, 3:] = rotation
+    matrix[3:, :3] = rotation @ np.array(((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0)))
+    return matrix

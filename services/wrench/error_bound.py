@@ -26,40 +26,33 @@ import numpy as np
 from services.wrench.compensation import GRAVITY, Compensation
 from shared.spatial import Array
 
-_UP = np.array((0.0, 0.0, 1.0))
 
-
-def transported(box: Array, rotation: Array, tool_offset: Array) -> Array:
-    """Largest error (6,) in base axes at the tool of an error within a box in sensor axes about the sensor.
-
-    Args:
-        box: half-widths (6,) [N, Nm].
-        rotation: sensor in base (3, 3).
-        tool_offset: tool's origin from the sensor's origin (3,) [m], sensor axes.
-    """
-    x, y, z = tool_offset.tolist()
-    offset_cross = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
-    size = np.abs(rotation)
-    return np.concatenate((size @ box[:3], size @ box[3:] + np.abs(rotation @ offset_cross) @ box[:3]))
-
-
-def unknown_weight(mass: float, reach: float, direction: Array) -> Array:
+def unknown_weight(mass: float, reach: float, field: tuple[float, float, float]) -> Array:
     """Largest wrench (6,) [N, Nm] about the tool of a mass in a field, base axes.
 
     Args:
         mass: [kg].
         reach: largest distance [m] of the mass' centre from the tool's origin.
-        direction: the field d (3,) [m/s^2], base axes.
+        field: d (3,) [m/s^2], base axes.
     """
-    squares = direction * direction
-    levers = np.sqrt(np.maximum(squares.sum() - squares, 0.0))
-    return mass * np.concatenate((np.abs(direction), reach * levers))
+    x, y, z = field
+    lever = mass * reach
+    return np.array(
+        (
+            mass * abs(x),
+            mass * abs(y),
+            mass * abs(z),
+            lever * math.hypot(y, z),
+            lever * math.hypot(x, z),
+            lever * math.hypot(x, y),
+        )
+    )
 
 
 def error_bound(
     compensation: Compensation,
     rotation: Array,
-    tool_offset: Array,
+    to_tool: Array,
     noise_bound: Array,
     bias_bound: Array,
     tool_mass: float,
@@ -70,22 +63,23 @@ def error_bound(
     Args:
         compensation: what was subtracted.
         rotation: sensor in base (3, 3).
-        tool_offset: tool's origin from the sensor's origin (3,) [m], sensor axes.
+        to_tool: `transport` (6, 6) of the sample.
         noise_bound: declared bound (6,) on the noise of a reading, sensor axes; a larger measured one replaces it.
         bias_bound: declared bound (6,) on the bias of a sensor that was never tared, sensor axes.
         tool_mass: largest mass [kg] beyond the sensor.
         tool_reach: largest distance [m] of its centre from the tool's origin.
     """
-    noise = np.maximum(noise_bound, compensation.noise)
+    box = np.maximum(noise_bound, compensation.noise)
     if compensation.kind == "none":
-        box = noise + bias_bound
-        weight = unknown_weight(tool_mass, tool_reach, GRAVITY * _UP)
+        box = box + bias_bound
+        weight = unknown_weight(tool_mass, tool_reach, (0.0, 0.0, GRAVITY))
     elif compensation.kind == "tare":
-        box = noise + compensation.bias_error
-        weight = unknown_weight(tool_mass, tool_reach, GRAVITY * (_UP - rotation @ compensation.up))
+        box = box + compensation.bias_error
+        x, y, z = (rotation @ compensation.up).tolist()
+        weight = unknown_weight(tool_mass, tool_reach, (-GRAVITY * x, -GRAVITY * y, GRAVITY * (1.0 - z)))
     else:
-        box = noise + compensation.bias_error
-        lever = math.sqrt(float(tool_offset @ tool_offset))
-        weight = unknown_weight(compensation.mass_error, lever, GRAVITY * _UP)
+        box = box + compensation.bias_error
+        # The wrong weight acts at the sensor's origin, straight down; what its moment is wrong by turns about x and y.
+        weight = GRAVITY * compensation.mass_error * np.abs(to_tool[:, :3] @ rotation[2])
         weight[3:5] += GRAVITY * compensation.moment_error
-    return transported(box, rotation, tool_offset) + weight
+    return np.abs(to_tool) @ box + weight

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from shared.spatial import Array
 
 SATURATED = "saturated"
@@ -26,9 +24,9 @@ class SensorWatch:
     """
 
     def __init__(self) -> None:
-        self._anchor: Array | None = None
-        self._held = np.zeros(6)
-        self._repeats = np.zeros(6, dtype=int)
+        self._anchor: list[float] = []
+        self._held = [0.0] * 6
+        self._repeats = [0] * 6
         self._recovery = 0.0
 
     def update(self, reading: Array, saturated: bool, dt: float, stuck_after: float) -> str:
@@ -40,20 +38,20 @@ class SensorWatch:
             dt: time [s] since the last reading.
             stuck_after: time [s] within which a stuck axis has to be reported.
         """
-        if self._anchor is None:
-            self._anchor = reading.copy()
-        else:
-            same = np.abs(reading - self._anchor) <= RESOLUTION
-            self._held = np.where(same, self._held + dt, 0.0)
-            self._repeats = np.where(same, self._repeats + 1, 0)
-            self._anchor = np.where(same, self._anchor, reading)
+        stuck = False
+        values = reading.tolist()
+        anchor = self._anchor = self._anchor or values.copy()
+        for axis, value in enumerate(values):
+            if abs(value - anchor[axis]) > RESOLUTION:
+                anchor[axis] = value
+                self._held[axis] = 0.0
+                self._repeats[axis] = 0
+            else:
+                self._held[axis] += dt
+                self._repeats[axis] += 1
+                # With the next reading, dt later, it would be too late.
+                stuck |= self._held[axis] + dt > stuck_after and self._repeats[axis] >= FEWEST_REPEATS
         if saturated:
             return SATURATED
-        # With the next reading, dt later, it would be too late.
-        stuck = (self._held + dt > stuck_after) & (self._repeats >= FEWEST_REPEATS)
-        self._recovery = stuck_after if stuck.any() else max(0.0, self._recovery - dt)
+        self._recovery = stuck_after if stuck else max(0.0, self._recovery - dt)
         return STUCK if self._recovery > 0.0 else ""
-
-    def stuck_axes(self) -> list[int]:
-        """Indices of the axes that repeat their value at present."""
-        return np.flatnonzero(self._repeats >= FEWEST_REPEATS).tolist()

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from services.wrench.compensation import Compensation, external_wrench
+from services.wrench.compensation import Compensation, transport
 from services.wrench.error_bound import error_bound
 from services.wrench.faults import INVALID, SILENT, SensorWatch
 from services.wrench.identification import Identified
@@ -75,12 +75,13 @@ class Wrench:
         raw = np.concatenate((sample.force, sample.torque))
         rotation = rotation_matrix(sample.orientation)
         fault = self._watch.update(raw, sample.saturated, dt, settings.stuck_after)
-        wrench = external_wrench(raw, self.compensation, rotation, sample.tool_offset)
+        to_tool = transport(rotation, sample.tool_offset)
+        wrench = to_tool @ (raw - self.compensation.offset(rotation))
         wrench = self._lowpass.filter(wrench, settings.lowpass_hz, dt)
         bound = error_bound(
             self.compensation,
             rotation,
-            sample.tool_offset,
+            to_tool,
             self._noise_bound,
             self._bias_bound,
             settings.tool_mass,

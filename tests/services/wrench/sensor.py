@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from services.wrench.averaging import Average, Window
+from services.wrench.compensation import Compensation, transport
 from shared.messages import FtSample
 from shared.spatial import Array, quaternion, rotation_from_vector
 
@@ -15,6 +16,11 @@ NOISE_BOUND = 5 * NOISE
 TOOL_OFFSET = np.array((0.0, 0.0, 0.155))
 LEVEL = np.eye(3)
 TILTED = [rotation_from_vector(v) for v in ((0, 0, 0), (0.6, 0, 0), (-0.6, 0, 0), (0, 0.6, 0), (0, -0.6, 0))]
+
+
+def external_wrench(reading: Array, compensation: Compensation, rotation: Array, tool_offset: Array) -> Array:
+    """What the service publishes for a raw reading (6,)."""
+    return transport(rotation, tool_offset) @ (reading - compensation.offset(rotation))
 
 
 @dataclass

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.wrench.compensation import Compensation, external_wrench, payload_wrench
+from services.wrench.compensation import Compensation, payload_wrench
 from shared.spatial import rotation_from_vector
-from tests.services.wrench.sensor import LEVEL, TILTED, TOOL_OFFSET, Sensor
+from tests.services.wrench.sensor import LEVEL, TILTED, TOOL_OFFSET, Sensor, external_wrench
 
 vectors = st.tuples(*[st.floats(-3.0, 3.0)] * 3).map(np.array)
 wrenches = st.tuples(*[st.floats(-50.0, 50.0)] * 6).map(np.array)

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from services.wrench.averaging import Average
-from services.wrench.compensation import Compensation, external_wrench
-from services.wrench.error_bound import error_bound, transported, unknown_weight
+from services.wrench.compensation import Compensation, transport
+from services.wrench.error_bound import error_bound, unknown_weight
 from services.wrench.identification import identify
 from shared.spatial import Array, rotation_from_vector
-from tests.services.wrench.sensor import LEVEL, NOISE_BOUND, TILTED, TOOL_OFFSET, Sensor
+from tests.services.wrench.sensor import LEVEL, NOISE_BOUND, TILTED, TOOL_OFFSET, Sensor, external_wrench
 
 BIAS_BOUND = np.array((3.0, 3.0, 3.0, 0.3, 0.3, 0.3))
 vectors = st.tuples(*[st.floats(-3.0, 3.0)] * 3).map(np.array)
@@ -20,8 +20,14 @@ signs = st.tuples(*[st.sampled_from((-1.0, 1.0))] * 6).map(np.array)
 inside = st.tuples(*[st.floats(-1.0, 1.0)] * 6).map(np.array)
 
 
+def transported(box: Array, rotation: Array) -> Array:
+    return np.abs(transport(rotation, TOOL_OFFSET)) @ box
+
+
 def bound(compensation: Compensation, rotation: Array) -> Array:
-    return error_bound(compensation, rotation, TOOL_OFFSET, NOISE_BOUND, BIAS_BOUND, 0.83, 0.1)
+    return error_bound(
+        compensation, rotation, transport(rotation, TOOL_OFFSET), NOISE_BOUND, BIAS_BOUND, 0.83, 0.1
+    )
 
 
 @given(turn=vectors, signs=signs)
@@ -29,7 +35,7 @@ def test_transport_of_a_box_contains_its_corners_and_touches_one_per_axis(
     turn: np.ndarray, signs: np.ndarray
 ) -> None:
     rotation, box = rotation_from_vector(turn), NOISE_BOUND
-    limit = transported(box, rotation, TOOL_OFFSET)
+    limit = transported(box, rotation)
     assert np.all(
         np.abs(external_wrench(signs * box, Compensation(), rotation, TOOL_OFFSET)) <= limit + 1e-12
     )
@@ -46,7 +52,7 @@ def test_unknown_weight_covers_every_place_of_the_centre_of_mass(
 ) -> None:
     lever = 0.1 * lever / max(1.0, float(np.linalg.norm(lever)))
     exact = np.concatenate((0.8 * field, np.cross(lever, 0.8 * field)))
-    assert np.all(np.abs(exact) <= unknown_weight(0.8, 0.1, field) + 1e-12)
+    assert np.all(np.abs(exact) <= unknown_weight(0.8, 0.1, tuple(field)) + 1e-12)
 
 
 @given(turn=vectors, bias=inside, noise=inside)
@@ -71,9 +77,9 @@ def test_tared_reading_is_within_its_bound_at_every_tilt(
 
 def test_bound_after_a_tare_is_the_noise_where_it_was_made_and_the_weight_upside_down() -> None:
     tared = Compensation().tared(np.zeros(6), np.zeros(6), np.zeros(6), LEVEL)
-    assert bound(tared, LEVEL) == pytest.approx(transported(NOISE_BOUND, LEVEL, TOOL_OFFSET))
+    assert bound(tared, LEVEL) == pytest.approx(transported(NOISE_BOUND, LEVEL))
     over = rotation_from_vector((np.pi, 0.0, 0.0))
-    weight = bound(tared, over) - transported(NOISE_BOUND, over, TOOL_OFFSET)
+    weight = bound(tared, over) - transported(NOISE_BOUND, over)
     assert weight == pytest.approx([0, 0, 2 * 0.83 * 9.81, 2 * 0.083 * 9.81, 2 * 0.083 * 9.81, 0], abs=1e-9)
 
 

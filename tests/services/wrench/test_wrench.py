@@ -33,6 +33,7 @@ def identified(rig: Rig) -> dict:
 @pytest.mark.parametrize("rate", [30.0, 100.0, 500.0])
 def test_one_valid_wrench_per_sample(rate: float) -> None:
     rig = Rig(rate=rate)
+    rig.run(0.1)
     received = rig.run(2.0)
     assert len(received) == pytest.approx(2.0 * rate, abs=1)
     assert all(r.header.valid and r.message.fault == "" for r in received)
