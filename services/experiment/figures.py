@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import matplotlib
@@ -12,6 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.lib.stride_tricks import sliding_window_view
 
 from services.experiment.measures import Measures
 from services.experiment.protocol import RUNS, Run
@@ -27,7 +28,8 @@ STYLES = dict(
 )
 LIMIT_COLOUR = "#B00020"
 INK, FAINT = "#222222", "#9A9A9A"
-WIDTH = 7.4  # [in]
+WIDTH, HEIGHT = 7.4, 5.0  # [in]
+WINDOW = 0.3  # [s] of the mean and of the range that are drawn
 
 plt.rcParams.update(
     {
@@ -50,34 +52,31 @@ plt.rcParams.update(
 
 def draw_run(run: Run, recording: Recording, found: Measures) -> Figure:
     """Load -force z [N] with its limit, and tool z [m], of one run."""
-    figure, (load, height) = _panels(2, 4.6)
+    figure, (load, height) = _panels()
     colour = COLOURS.get(run.name, "#0072B2")
-    _draw_load(load, recording, colour)
-    _limit(load, recording)
-    time, z = _height(recording)
-    height.plot(time, z, color=colour, linewidth=1.4)
+    time, force = _load(recording)
+    load.plot(time, force, color=colour, linewidth=0.5, alpha=0.4)
+    load.plot(*_mean(time, force), color=colour, linewidth=1.6)
+    height.plot(*_height(recording), color=colour, linewidth=1.6)
     height.axhline(found.hold_height, color=FAINT, linewidth=0.8, linestyle=":")
-    _events(load, height, recording, found)
+    _events((load, height), recording, found)
     load.set_title(run.title, loc="left", fontsize=10, fontweight="bold")
-    _finish((load, height), recording)
+    _finish((load, height), [recording])
     return figure
 
 
 def draw_comparison(runs: Mapping[str, Run], recordings: Mapping[str, Recording]) -> Figure:
-    """Load and tool height of all runs over one time axis."""
-    figure, (load, height) = _panels(2, 5.4)
+    """Load (mean, and pale the range within WINDOW) and tool height of all runs over one time axis."""
+    figure, (load, height) = _panels()
     for name, run in runs.items():
-        recording = recordings[name]
-        time, force = _smooth(*_load(recording))
-        line = {"color": COLOURS.get(name, INK), "linestyle": STYLES.get(name, "-"), "linewidth": 1.4}
-        load.plot(time, force, **line)
-        height.plot(*_height(recording), label=run.title, **line)
-    first = next(iter(recordings.values()))
-    _limit(load, first)
-    _events(load, height, first, None)
-    handles, labels = height.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=2, handlelength=3.2)
-    _finish((load, height), first)
+        colour, style = COLOURS.get(name, INK), STYLES.get(name, "-")
+        time, force = _load(recordings[name])
+        load.fill_between(*_range(time, force), color=colour, alpha=0.16, linewidth=0)
+        load.plot(*_mean(time, force), color=colour, linestyle=style, linewidth=1.4)
+        height.plot(*_height(recordings[name]), label=run.title, color=colour, linestyle=style, linewidth=1.4)
+    _events((load, height), next(iter(recordings.values())), None)
+    _legend(figure, height)
+    _finish((load, height), list(recordings.values()))
     return figure
 
 
@@ -85,25 +84,24 @@ def draw_lowering(
     runs: Mapping[str, Run], recordings: Mapping[str, Recording], found: Mapping[str, Measures]
 ) -> Figure:
     """The moments after the heavier bag, on a time axis that starts with it: how each law lowers and lands."""
-    figure, (load, height) = _panels(2, 4.6)
+    figure, (load, height) = _panels()
     longest = max((m.lowering_time for m in found.values() if np.isfinite(m.lowering_time)), default=5.0)
-    for name, run in runs.items():
+    for layer, (name, run) in enumerate(runs.items(), start=2):
         recording = recordings[name]
         heavy = recording.event("heavy")
         zero = heavy.time if heavy else 0.0
-        line = {"color": COLOURS.get(name, INK), "linestyle": STYLES.get(name, "-"), "linewidth": 1.4}
+        colour, style = COLOURS.get(name, INK), STYLES.get(name, "-")
         time, force = _load(recording)
-        load.plot(time - zero, force, **line | {"linewidth": 1.0})
+        load.plot(time - zero, force, color=colour, linewidth=0.9, alpha=0.85, zorder=layer)
         time, z = _height(recording)
-        height.plot(time - zero, z, label=run.title, **line)
+        height.plot(time - zero, z, label=run.title, color=colour, linestyle=style, linewidth=1.4)
         if np.isfinite(found[name].landing):
             at = found[name].landing - zero
-            height.plot(at, np.interp(at, time - zero, z), "o", color=line["color"], markersize=5, zorder=5)
+            height.plot(at, np.interp(at, time - zero, z), "o", color=colour, markersize=5, zorder=9)
     _limit(load, next(iter(recordings.values())))
-    handles, labels = height.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper left", ncols=2, handlelength=3.2)
-    height.set_xlim(-0.5, longest + 2.5)
+    _legend(figure, height)
     _labels(load, height)
+    height.set_xlim(-0.5, longest + 2.0)
     height.set_xlabel("time since the heavier bag [s]   (dot: the bag touches the ground)")
     return figure
 
@@ -117,8 +115,9 @@ def save(figure: Figure, stem: Path) -> tuple[Path, Path]:
     return paths
 
 
-def _panels(rows: int, height: float) -> tuple[Figure, np.ndarray]:
-    return plt.subplots(rows, 1, sharex=True, figsize=(WIDTH, height), layout="constrained")
+def _panels() -> tuple[Figure, tuple[Axes, Axes]]:
+    figure, panels = plt.subplots(2, 1, sharex=True, figsize=(WIDTH, HEIGHT), layout="constrained")
+    return figure, tuple(panels)
 
 
 def _load(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
@@ -131,62 +130,74 @@ def _height(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     return recording.time(key), recording.series(key, "position")[:, 2]
 
 
-def _smooth(time: np.ndarray, values: np.ndarray, window: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
-    """Moving mean over `window` [s], so that five noisy lines can be told apart; the figures of one run show all."""
-    count = max(1, round(window / float(np.median(np.diff(time)))))
-    return time[count - 1 :], np.convolve(values, np.ones(count) / count, "valid")
+def _windows(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Centres (m,) and contents (m, n) of the windows that slide over the series."""
+    count = max(2, round(WINDOW / float(np.median(np.diff(time)))))
+    return sliding_window_view(time, count).mean(axis=1), sliding_window_view(values, count)
 
 
-def _draw_load(axes: Axes, recording: Recording, colour: str) -> None:
-    time, force = _load(recording)
-    axes.plot(time, force, color=colour, linewidth=0.5, alpha=0.45)
-    axes.plot(*_smooth(time, force), color=colour, linewidth=1.4)
+def _mean(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    centres, windows = _windows(time, values)
+    return centres, windows.mean(axis=1)
+
+
+def _range(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    centres, windows = _windows(time, values)
+    return centres, windows.min(axis=1), windows.max(axis=1)
 
 
 def _limit(axes: Axes, recording: Recording) -> None:
     limit = recording.meta["force_limit"][2]
-    axes.axhline(limit, color=LIMIT_COLOUR, linewidth=1.0, linestyle=(0, (5, 2)))
+    axes.axhline(limit, color=LIMIT_COLOUR, linewidth=1.0, linestyle=(0, (5, 2)), zorder=8)
     axes.annotate(
         f"limit {limit:.0f} N",
         (1.0, limit),
         xycoords=("axes fraction", "data"),
-        xytext=(-2, 3),
+        xytext=(4, 0),
         textcoords="offset points",
-        ha="right",
+        va="center",
         color=LIMIT_COLOUR,
         fontsize=8,
+        annotation_clip=False,
     )
 
 
-def _events(load: Axes, height: Axes, recording: Recording, found: Measures | None) -> None:
+def _events(panels: tuple[Axes, Axes], recording: Recording, found: Measures | None) -> None:
+    """Lines through both panels, named above the upper one."""
     marks = [
         (event.time, event.detail) for event in recording.events if event.name in ("light", "heavy", "unload")
     ]
-    if found is not None and np.isfinite(found.landing):
+    if found is not None and np.isfinite(found.landing) and found.lowering_time > 0.5:
         marks.append((found.landing, "on the ground"))
     for time, text in marks:
-        for axes in (load, height):
-            axes.axvline(time, color=FAINT, linewidth=0.8)
-        height.annotate(
+        for axes in panels:
+            axes.axvline(time, color=FAINT, linewidth=0.8, zorder=1)
+        panels[0].annotate(
             text,
-            (time, 0.0),
+            (time, 1.0),
             xycoords=("data", "axes fraction"),
-            xytext=(3, 4),
+            xytext=(3, -2),
             textcoords="offset points",
-            rotation=90,
-            va="bottom",
+            va="top",
             fontsize=8,
             color="#555555",
         )
+    _limit(panels[0], recording)
+
+
+def _legend(figure: Figure, axes: Axes) -> None:
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper left", ncols=2, handlelength=3.2)
 
 
 def _labels(load: Axes, height: Axes) -> None:
     load.set_ylabel("load on the tool, −f$_z$ [N]")
+    load.set_ylim(-3.0, 37.0)
     height.set_ylabel("tool height z [m]")
 
 
-def _finish(panels: tuple[Axes, Axes], recording: Recording) -> None:
+def _finish(panels: tuple[Axes, Axes], recordings: Sequence[Recording]) -> None:
     load, height = panels
     _labels(load, height)
     height.set_xlabel("time [s]")
-    height.set_xlim(0.0, float(recording.time(topics.STATE_EE.key)[-1]))
+    height.set_xlim(0.0, max(float(_height(recording)[0][-1]) for recording in recordings))

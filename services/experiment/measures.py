@@ -15,6 +15,7 @@ from shared import topics
 
 GROUND = 0.005  # [m]: a bag lower than this touches the ground
 REVERSAL = 0.003  # [m]: a smaller turn-round of the tool is noise, not oscillation
+HANDED_OVER = 1.0  # [s] for the person who hangs the bag to let go of it, and for the rope to come to rest
 SMOOTHING = 0.2  # [s] over which a speed is taken
 SETTLED = 2.0  # [s] averaged for a resting value
 AFTER_LANDING = 1.0  # [s] for the tool to stop once the bag has touched the ground
@@ -32,6 +33,7 @@ class Measures:
     lowering_time: float  # from the heavier bag to the ground
     drop: float  # how far the tool went down for it
     peak_speed: float  # largest downward speed on the way [m/s]
+    load_swing: float  # standard deviation of force z on the way, once the whole bag hangs
     reversals: int  # turn-rounds on the way that are larger than REVERSAL
     bag_height: float  # mean height of the bag over the last seconds before it is taken off
     lift: float  # how far the bag was lifted off the ground again, at most
@@ -67,6 +69,7 @@ def measure(recording: Recording) -> Measures:
 
     wrench = topics.WRENCH_EXTERNAL.key
     force_time, load = recording.time(wrench), -recording.series(wrench, "force")[:, 2]
+    hanging = _within(force_time, heavy + HANDED_OVER, landing if grounded.any() else unload)
     ground = _within(force_time, landing + AFTER_LANDING, unload)
     ground_way = _within(time, landing + AFTER_LANDING, unload)
     back = np.linalg.norm(position - rest, axis=1)
@@ -82,6 +85,7 @@ def measure(recording: Recording) -> Measures:
         lowering_time=landing - heavy,
         drop=float(rest[2] - np.min(height[way], initial=rest[2])),
         peak_speed=float(-np.min(_speed(time, height)[way], initial=0.0)),
+        load_swing=float(np.std(load[hanging])) if hanging.any() else float("nan"),
         reversals=reversals(height[way], REVERSAL),
         bag_height=float(np.mean(bag_height[_within(bag_time, unload - SETTLED, unload)])),
         lift=float(np.max(bag_height[landed])) if landed.any() else float("nan"),

@@ -98,7 +98,7 @@ def _draw(
     drawn = [
         (
             figures.save(figures.draw_comparison(runs, recordings), target / "comparison")[0],
-            "All laws in the same test: load on the tool (mean over 0.1 s) with its limit, and height of the tool.",
+            "All laws in the same test: load on the tool (mean over 0.3 s, pale: its range) and height of the tool.",
         ),
         (
             figures.save(figures.draw_lowering(runs, recordings, measured), target / "lowering")[0],
@@ -107,7 +107,7 @@ def _draw(
     ]
     for name, run in runs.items():
         figure = figures.draw_run(run, recordings[name], measured[name])
-        caption = f"{run.title}: every sample (pale) and the mean over 0.1 s."
+        caption = f"{run.title}: every sample (pale) and the mean over 0.3 s."
         drawn.append((figures.save(figure, target / name)[0], caption))
     return drawn
 

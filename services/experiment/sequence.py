@@ -21,7 +21,7 @@ from shared.topics import Query
 STILL = 0.005  # [m/s]: a slower tool counts as still
 STILL_FOR = 1.0  # [s]
 AT_POSE = 0.02  # [m]: near enough to start the clock, ten seconds before the first bag
-BACK_AT_POSE = 0.005  # [m]: near enough to end early
+BACK_AT_POSE = 0.005  # [m] from where the first bag was hung: near enough to end early
 TARE_DURATION = 1.0  # [s] averaged
 ANSWER_WITHIN = 5.0  # [s] for the answer to a request, beyond what it takes by itself
 
@@ -74,6 +74,7 @@ class LoadSequence:
     _pending: Ask | None = None
     _answer: dict[str, Any] | None = None
     _played: int = 0
+    _rest: np.ndarray | None = None
 
     def step(self, now: float, seen: Seen) -> list[Ask]:
         """One step at time `now` [s, any origin].
@@ -135,9 +136,10 @@ class LoadSequence:
         elapsed = now - self.start
         if self._played < len(_LOADS):
             at, _, weight = _LOADS[self._played]
-            if elapsed >= at:
+            if elapsed >= at - 1e-6:
+                self._rest = seen.position if self._played == 0 else self._rest
                 return self._ask(now, Ask(topics.SIM_COMMAND, {"command": "load", "mass": mass(weight)}))
-        elif elapsed >= protocol.END_AT or self._steady(now, seen, BACK_AT_POSE):
+        elif elapsed >= protocol.END_AT or self._steady(now, seen, BACK_AT_POSE, self._rest):
             self.events.append(Event(now, "end"))
             self.done = True
         return []
@@ -159,12 +161,13 @@ class LoadSequence:
         if not self._answer.get("ok"):
             raise Failed(f"{ask.query.key} was refused: {self._answer.get('error', 'no reason given')}")
         self._pending = None
+        sent = now if self._since is None else self._since
         if ask.query is topics.WRENCH_TARE:
-            self.events.append(Event(now, "tare"))
+            self.events.append(Event(sent, "tare"))
             self._enter("taking up the pose", now)
         else:
             _, name, weight = _LOADS[self._played]
-            self.events.append(Event(now, name, f"{weight:g} N" if weight else "taken off"))
+            self.events.append(Event(sent, name, f"{weight:g} N" if weight else "taken off"))
             self._played += 1
             self._steady_since = None
         return []
@@ -172,9 +175,9 @@ class LoadSequence:
     def _enter(self, phase: str, now: float) -> None:
         self.phase, self._since, self._steady_since = phase, now, None
 
-    def _steady(self, now: float, seen: Seen, within: float) -> bool:
-        """Whether the tool has been still and within a distance [m] of the pose for STILL_FOR."""
-        if seen.speed > STILL or (within < float("inf") and _distance(seen) > within):
+    def _steady(self, now: float, seen: Seen, within: float, place: np.ndarray | None = None) -> bool:
+        """Whether the tool has been still and within a distance [m] of a place, the pose to hold, for STILL_FOR."""
+        if seen.speed > STILL or (within < float("inf") and _distance(seen, place) > within):
             self._steady_since = None
             return False
         if self._steady_since is None:
@@ -193,10 +196,10 @@ _LOADS = (
 )
 
 
-def _distance(seen: Seen) -> float:
+def _distance(seen: Seen, place: np.ndarray | None = None) -> float:
     if seen.position is None:
         return float("inf")
-    return float(np.linalg.norm(seen.position - np.array(protocol.HOLD[:3])))
+    return float(np.linalg.norm(seen.position - (np.array(protocol.HOLD[:3]) if place is None else place)))
 
 
 def _lacking(seen: Seen, run: Run) -> str:

@@ -26,6 +26,7 @@ class Defect:
     bounces: float = 0.0  # [m] amplitude on the way down
     stays_low: float = 0.0  # [m] missing at the end
     keeps_pressing: float = 0.0  # [N] over the limit with the bag on the ground
+    swings: float = 0.0  # [N] amplitude of the load on the way down
     force_x: float = 0.0  # [N] sideways while the light bag hangs
 
 
@@ -48,6 +49,8 @@ def recording(run: Run, defect: Defect | None = None, seed: int = 0) -> Recordin
         height[k] -= defect.sag_under_light if weight == protocol.LIGHT else 0.0
         if defect.keeps_pressing and weight == protocol.HEAVY and ground:
             load = protocol.FORCE_LIMIT[2] + defect.keeps_pressing
+        if weight == protocol.HEAVY and not ground:
+            load += defect.swings * np.sin(20.0 * now)
         force[k], bag[k], weights[k] = -load, max(hang, 0.0), weight
     return _assemble(run, defect, time, height, force, bag, weights, rng)
 
