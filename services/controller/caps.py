@@ -13,6 +13,15 @@ _UNITS = ("N", "N", "N", "Nm", "Nm", "Nm")
 _SHARE = 1.0 / 6.0
 """Share of what is left of V <= 1 that each axis may use in one command (rounded form)."""
 
+_MARGIN = 1.02
+"""Factor on an error bound that is taken over."""
+_LARGEST_MARGIN = 1.05
+"""Factor up to which a bound that has become smaller is kept."""
+
+
+def _covers(kept: float, error: float) -> bool:
+    return error <= kept <= _LARGEST_MARGIN * error
+
 
 class Caps:
     """Caps of the twelve rows for limits ``wbar`` and error bounds ``eps``.
@@ -31,7 +40,8 @@ class Caps:
 
     def __init__(self, reserve: float, yield_start: float) -> None:
         self._reserve, self._rho = reserve, yield_start
-        self._given: tuple[list[float], list[float]] | None = None
+        self._limits: list[float] = []
+        self._errors = [0.0] * 6
         self.refusal: str | None = None
         self.wall = self.start = self.room = [0.0] * 6
         self.levels = np.zeros((2, 12))
@@ -39,14 +49,18 @@ class Caps:
         self._kept = np.zeros(12)
 
     def update(self, limit: Array, error_bound: Array) -> None:
-        """Take limits (6,) and error bounds (6,) [N, Nm], both finite."""
-        given = (limit.tolist(), error_bound.tolist())
-        if given == self._given:
+        """Take limits (6,) and error bounds (6,) [N, Nm], finite; the latter with a margin of a few percent.
+
+        The margin lets the caps stay the same while the error bound varies with the attitude.
+        """
+        limits, errors = limit.tolist(), error_bound.tolist()
+        if limits == self._limits and all(map(_covers, self._errors, errors)):
             return
-        self._given = given
-        self.refusal = _refusal(*given)
+        self.refusal = _refusal(limits, errors)
+        self._limits, self._errors = limits, [_MARGIN * error for error in errors]
         if self.refusal is not None:
             return
+        error_bound = np.array(self._errors)
         W = limit - error_bound
         self.wall = (limit + error_bound).tolist()
         self.start = (self._rho * W).tolist()
