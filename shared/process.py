@@ -28,8 +28,9 @@ class StopRequest:
             signal.signal(number, self._on_signal)
 
     def _on_signal(self, _number: int, _frame: object) -> None:
+        # Only a flag: setting the event here would deadlock if the signal interrupts the event's own methods. The
+        # loop looks at it at least as often as health is due.
         self.requested = True
-        self.wake.set()
 
 
 def run(
@@ -58,18 +59,20 @@ def run(
 
 
 def loop(runner: Runner, stop: StopRequest) -> None:
-    """Poll the runner whenever it is woken or due, until a stop is requested; then brake once more."""
+    """Poll the runner whenever it is woken or due, until a stop is requested; brake once more whatever ends it."""
     clock = SteadyClock()
     # What was built until here lives as long as the process: a collector that need not walk it stalls no tick.
     gc.collect()
     gc.freeze()
-    while not stop.requested:
-        left = seconds(runner.next_deadline() - clock.now_ns())
-        if left > 0:
-            stop.wake.wait(left)
-        stop.wake.clear()
-        runner.poll()
-    runner.close()
+    try:
+        while not stop.requested:
+            left = seconds(runner.next_deadline() - clock.now_ns())
+            if left > 0:
+                stop.wake.wait(left)
+            stop.wake.clear()
+            runner.poll()
+    finally:
+        runner.close()
 
 
 def _report(line: str) -> None:
