@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from shared.service import Service
 
 _WAITING_QUERIES = 32
+_LONGEST_REASON = 500
+_MALFORMED = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
+"""What a request that nobody expected can cause; requests come from anybody and must not end the service."""
 
 
 class QueryDesk:
@@ -44,20 +47,27 @@ class QueryDesk:
         return on_request
 
     def serve(self) -> None:
-        """Answer what has arrived."""
-        while True:
-            try:
-                query, payload, reply = self._waiting.get_nowait()
-            except queue.Empty:
-                return
-            try:
-                request = decode_map(payload) if payload else {}
-                if query == self._service.wiring.parameters:
-                    reply(_granted(self._set_parameters(request)))
-                else:
-                    self._service.query(query, request, lambda answer, send=reply: send(_granted(answer)))
-            except (Refused, Rejected) as problem:
-                reply(encode_map({"ok": False, "error": str(problem)}))
+        """Answer one request, so that however many there are they delay a step by no more than that."""
+        try:
+            query, payload, reply = self._waiting.get_nowait()
+        except queue.Empty:
+            return
+        try:
+            request = decode_map(payload) if payload else {}
+            if query == self._service.wiring.parameters:
+                reply(_granted(self._set_parameters(request)))
+            else:
+                self._service.query(query, request, lambda answer: reply(_granted(answer)))
+        except (Refused, Rejected) as problem:
+            reply(_refused(str(problem)))
+        except _MALFORMED as problem:
+            reply(
+                _refused(
+                    f"{query.key} cannot make sense of the request ({type(problem).__name__}: {problem})"
+                )
+            )
+        if not self._waiting.empty():
+            self._wake()
 
     def _set_parameters(self, request: dict[str, Any]) -> dict[str, Any]:
         wanted = request.get("set")
@@ -70,3 +80,7 @@ class QueryDesk:
 
 def _granted(answer: dict[str, Any]) -> bytes:
     return encode_map({"ok": True, **answer})
+
+
+def _refused(reason: str) -> bytes:
+    return encode_map({"ok": False, "error": reason[:_LONGEST_REASON]})
