@@ -21,6 +21,9 @@ class FaultKind(Enum):
     SHUTDOWN = "shutdown"
 
 
+_LONGEST_WORD = 40
+"""Characters kept of another publisher's word: texts travel on, and must not outgrow a message."""
+
 _SEVERITY = {kind: order for order, kind in enumerate(FaultKind)}
 
 
@@ -94,12 +97,20 @@ def delayed(key: str, delay: float, limit: float) -> Fault:
 
 def invalid(key: str, word: str) -> Fault:
     """The publisher itself says that its message is not to be trusted."""
+    word = word[:_LONGEST_WORD]
     text = f"{key} is marked invalid by its publisher ({word or 'no reason given'})"
     return Fault(FaultKind.INVALID, key, text, word)
 
 
-def overrun(text: str) -> Fault:
-    """The loop itself is too late."""
+def overrun(late: int, steps: int, limit: float) -> Fault:
+    """Too many steps of the last second were late."""
+    text = f"{late} of the last {steps} steps were late, allowed are {limit:.0%}: lower the rate or the machine's load"
+    return Fault(FaultKind.OVERRUN, "", text)
+
+
+def stalled(late: float, limit: float) -> Fault:
+    """One step came much too late."""
+    text = f"the loop stalled for {late * 1e3:.0f} ms, allowed are {limit * 1e3:.0f} ms: lower the machine's load"
     return Fault(FaultKind.OVERRUN, "", text)
 
 

@@ -29,12 +29,17 @@ HANDOVER_LIMIT = 1.0
 CLOCK_DRIFT = 50e-6
 """Assumed drift [1] between two machines' steady clocks; hides a delay that grows more slowly than this."""
 _WINDOW_NS = 1_000_000_000
+_FEWEST_SENT = 20
+"""Of fewer messages a lost share says nothing; whoever sends so rarely is watched for silence alone."""
 
 
 @dataclass(frozen=True)
 class Received(Generic[M]):
-    """One accepted message with its arrival [ns, receiver's clock] and its delay [s] beyond the fastest one's."""
+    """One accepted message with its number among the accepted ones, its arrival [ns, receiver's clock] and its delay
+    [s] beyond the fastest one's.
+    """
 
+    number: int
     header: Header
     message: M
     arrival_ns: int
@@ -60,6 +65,7 @@ class Inlet(Generic[M]):
         self._on_message = on_message
         self._lock = threading.Lock()
         self._latest: Received[M] | None = None
+        self._behind: Header | None = None
         self._fastest_transit = 0
         self._period = 0.0
         self._arrivals: deque[tuple[int, int]] = deque()
@@ -102,19 +108,24 @@ class Inlet(Generic[M]):
             self._on_message(received)
 
     def _accept(self, header: Header, message: M, arrival: int) -> Received[M] | None:
-        last = self._latest
-        same = last is not None and header.session == last.header.session
-        if last is not None and not same and self._held(last, arrival):
-            self.second_session += 1
-            return None
-        if same and (header.seq <= last.header.seq or header.stamp < last.header.stamp):
+        previous = self._latest
+        if previous is not None and header.session != previous.header.session:
+            if self._held(previous, arrival):
+                self.second_session += 1
+                return None
+            previous = None
+        if previous is not None and (
+            header.seq <= previous.header.seq or header.stamp < previous.header.stamp
+        ):
             self.out_of_order += 1
-            return None
+            if not self._counts_anew(header, previous, arrival):
+                return None
+            previous = None
         transit = arrival - header.stamp
-        if same:
-            elapsed = seconds(header.stamp - last.header.stamp) / (header.seq - last.header.seq)
+        if previous is not None:
+            elapsed = seconds(header.stamp - previous.header.stamp) / (header.seq - previous.header.seq)
             self._period = elapsed if self._period == 0.0 else self._period + 0.1 * (elapsed - self._period)
-            crept = self._fastest_transit + round(CLOCK_DRIFT * (arrival - last.arrival_ns))
+            crept = self._fastest_transit + round(CLOCK_DRIFT * (arrival - previous.arrival_ns))
             self._fastest_transit = min(crept, transit)
         else:
             self._period = 0.0
@@ -124,8 +135,23 @@ class Inlet(Generic[M]):
         self._trim(arrival)
         self.accepted += 1
         self._rejected_since_accepted = 0
-        self._latest = Received(header, message, arrival, seconds(transit - self._fastest_transit))
+        delay = seconds(transit - self._fastest_transit)
+        self._latest = Received(self.accepted, header, message, arrival, delay)
         return self._latest
+
+    def _counts_anew(self, header: Header, last: Received[M], arrival: int) -> bool:
+        """Whether a publisher advances again behind a message of its session that is long gone.
+
+        Without this one message with a sequence number or a stamp far ahead would make the topic deaf for ever.
+        """
+        before, self._behind = self._behind, header
+        return (
+            before is not None
+            and header.session == before.session
+            and header.seq > before.seq
+            and header.stamp > before.stamp
+            and arrival - last.arrival_ns > nanoseconds(HANDOVER_LIMIT)
+        )
 
     def _held(self, last: Received[M], arrival: int) -> bool:
         """Whether the last message's session still holds the topic; a command holds it for as long as it acts."""
@@ -155,10 +181,16 @@ class Inlet(Generic[M]):
     def loss(self) -> float:
         """Share [1] of the last second's messages that never arrived."""
         with self._lock:
-            if len(self._arrivals) < 2:
+            sent = self._arrivals[-1][1] - self._arrivals[0][1] if self._arrivals else 0
+            if sent < _FEWEST_SENT:
                 return 0.0
-            sent = self._arrivals[-1][1] - self._arrivals[0][1]
             return 1.0 - (len(self._arrivals) - 1) / sent
+
+    def waiting_since(self, number: int) -> int:
+        """Arrival [ns] of the first message accepted after the one of this number, at most a second ago."""
+        with self._lock:
+            waiting = min(max(1, self.accepted - number), len(self._arrivals))
+            return self._arrivals[-waiting][0]
 
     @property
     def refusals(self) -> str:

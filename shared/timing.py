@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _WINDOW_NS = 1_000_000_000
 _FEWEST_STEPS = 20
-"""Below this many steps in the window a share of late ones says nothing."""
+"""Below this many steps in the window (20 Hz) a share of late ones says nothing; a stall is seen at any rate."""
 
 
 class LoopTiming:
@@ -26,16 +26,14 @@ class LoopTiming:
         self._clock = clock
         self._steps: deque[tuple[int, int, bool]] = deque()
         self._late = 0
-        self._stalled = False
         self.overruns = 0
 
-    def add(self, latency_ns: int, late: bool, stalled: bool = False) -> None:
-        """Account for a step: latency [ns] from its cause to its outputs, whether it was late, and by very much."""
+    def add(self, latency_ns: int, late: bool) -> None:
+        """Account for a step: latency [ns] from its cause to its outputs, and whether it was late."""
         now = self._clock.now_ns()
         self._steps.append((now, latency_ns, late))
         self._late += late
         self.overruns += late
-        self._stalled = stalled
         self._trim(now)
 
     def _trim(self, now: int) -> None:
@@ -47,12 +45,7 @@ class LoopTiming:
         self._trim(now)
         steps = len(self._steps)
         if steps >= _FEWEST_STEPS and self._late > share_limit * steps:
-            return faults.overrun(
-                f"{self._late} of the last {steps} steps were late, allowed are {share_limit:.0%}: "
-                "lower the rate or the load of the machine"
-            )
-        if self._stalled and share_limit < 1.0:
-            return faults.overrun("the loop was stalled for more than five periods")
+            return faults.overrun(self._late, steps, share_limit)
         return None
 
     def summary(self, now: int) -> tuple[float, float, float]:

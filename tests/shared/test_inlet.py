@@ -1,0 +1,213 @@
+"""One topic's receiving end: order, sessions, silence, delay, loss and garbage, without any bus."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from shared.codec import MAP_CAP
+from shared.faults import FaultKind
+from shared.inlet import HANDOVER_LIMIT, Inlet
+from shared.messages import Header, Stop, TwistCommand
+from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, STOP, WRENCH_EXTERNAL
+from tests.shared.rig import DECLARED_DELAY, ZERO, Feed, ManualClock, Publisher, ft_sample, target, wrench
+
+
+def test_never_seen_then_healthy() -> None:
+    feed = Feed()
+    assert feed.fault() is FaultKind.NEVER_SEEN
+    assert feed.inlet.age(feed.clock.now) == -1.0
+    feed.run(1)
+    assert feed.fault() is None
+    assert feed.inlet.age(feed.clock.now) == 0.0
+
+
+def test_duplicates_and_older_messages_are_dropped_and_counted() -> None:
+    feed = Feed()
+    feed.run(3)
+    newest = feed.inlet.latest
+    assert newest is not None
+    feed.clock.advance(0.005)
+    for seq in (2, 1, 0, 2):
+        feed.inlet.offer(feed.first.payload(ft_sample(9.0), seq=seq))
+    feed.inlet.offer(feed.first.payload(ft_sample(9.0), seq=3, stamp=newest.header.stamp - 1))
+    assert feed.inlet.latest is newest
+    assert feed.inlet.out_of_order == 5
+    assert len(feed.received) == 3
+    assert "5 out of sequence" in feed.inlet.refusals
+
+
+@given(st.permutations(range(30)), st.lists(st.integers(0, 29), max_size=20))
+@settings(max_examples=60, deadline=None)
+def test_in_any_order_of_arrival_sequence_and_stamp_only_advance(order: list[int], again: list[int]) -> None:
+    feed = Feed()
+    payloads = []
+    for _ in range(30):
+        feed.clock.advance(0.01)
+        payloads.append(feed.first.payload(ft_sample()))
+    for seq in (*order, *again):
+        feed.inlet.offer(payloads[seq])
+    headers = [received.header for received in feed.received]
+    assert all(a.seq < b.seq and a.stamp <= b.stamp for a, b in itertools.pairwise(headers))
+    assert headers[-1].seq == 29
+    assert feed.inlet.accepted + feed.inlet.out_of_order == 30 + len(again)
+
+
+def test_a_second_session_is_refused_while_the_first_lives() -> None:
+    feed = Feed()
+    second = Publisher(feed.clock, session=2)
+    feed.run(5)
+    for _ in range(50):
+        feed.run(1)
+        feed.inlet.offer(second.payload(ft_sample(99.0)))
+    assert feed.inlet.second_session == 50
+    assert all(received.header.session == 1 for received in feed.received)
+    assert "second session" in feed.inlet.refusals
+
+
+def test_a_second_session_takes_over_after_the_silence() -> None:
+    feed = Feed()
+    feed.run(5)
+    second = Publisher(feed.clock, session=2)
+    feed.clock.advance(0.029)
+    feed.inlet.offer(second.payload(ft_sample()))
+    assert feed.inlet.second_session == 1
+    feed.clock.advance(0.002)
+    feed.inlet.offer(second.payload(ft_sample()))
+    latest = feed.inlet.latest
+    assert latest is not None and latest.header.session == 2
+    feed.inlet.offer(feed.first.payload(ft_sample()))
+    assert feed.inlet.second_session == 2
+
+
+@pytest.mark.parametrize(("ttl", "held"), [(0.02, 0.02), (0.2, 0.2), (1e9, HANDOVER_LIMIT)])
+def test_a_command_holds_its_topic_for_its_ttl(ttl: float, held: float) -> None:
+    feed = Feed(COMMAND_EE_TWIST, lambda: TwistCommand(ZERO, ZERO, ttl))
+    feed.run(1)
+    second = Publisher(feed.clock, session=2)
+    feed.clock.advance(held - 0.001)
+    feed.inlet.offer(second.payload(feed.make()))
+    assert feed.inlet.second_session == 1
+    feed.clock.advance(0.002)
+    feed.inlet.offer(second.payload(feed.make()))
+    assert feed.inlet.accepted == 2
+
+
+def test_a_target_that_is_used_for_ever_can_still_be_handed_over() -> None:
+    feed = Feed(CONTROL_TARGET, target, 0.2)
+    feed.run(3)
+    feed.clock.advance(HANDOVER_LIMIT + 0.01)
+    assert feed.fault() is None
+    feed.inlet.offer(Publisher(feed.clock, session=2).payload(target()))
+    assert feed.inlet.accepted == 4
+
+
+def test_anybody_may_stop_at_any_time() -> None:
+    feed = Feed(STOP, lambda: Stop(False))
+    feed.run(1)
+    for session in range(2, 6):
+        feed.inlet.offer(Publisher(feed.clock, session).payload(Stop(True, "me")))
+    assert feed.inlet.accepted == 5 and feed.inlet.second_session == 0
+
+
+def test_garbage_is_counted_and_changes_nothing_else() -> None:
+    feed = Feed()
+    feed.run(3)
+    newest = feed.inlet.latest
+    for payload in (b"", b"\xc1", b"\x80", bytes(MAP_CAP + 1), feed.first.payload(ft_sample())[:-1]):
+        feed.inlet.offer(payload)
+    assert feed.inlet.latest is newest
+    assert feed.inlet.rejected == 5
+    assert feed.fault() is None
+    feed.clock.advance(0.05)
+    assert feed.fault() is FaultKind.REFUSED
+
+
+def test_nothing_but_garbage_is_told_from_nothing_at_all() -> None:
+    feed = Feed()
+    feed.inlet.offer(b"\x81\xa3seq\x01")
+    fault = feed.inlet.fault(feed.clock.now, DECLARED_DELAY)
+    assert fault is not None and fault.kind is FaultKind.REFUSED and "session is missing" in fault.text
+
+
+def test_an_invalid_message_is_reported_with_the_publishers_word_and_no_more() -> None:
+    clock = ManualClock()
+    inlet = Inlet(WRENCH_EXTERNAL, clock)
+    inlet.offer(Publisher(clock).payload(wrench(fault="stuck" + "!" * 5000), valid=False))
+    fault = inlet.fault(clock.now, DECLARED_DELAY)
+    assert fault is not None and fault.kind is FaultKind.INVALID
+    assert fault.word.startswith("stuck!") and len(fault.text) < 200
+
+
+@pytest.mark.parametrize("forward", ["seq", "stamp"])
+def test_one_message_far_ahead_does_not_make_the_topic_deaf_for_ever(forward: str) -> None:
+    feed = Feed()
+    feed.run(50)
+    seq = 2**62 if forward == "seq" else None
+    stamp = feed.first.stamp() + 10**15 if forward == "stamp" else None
+    feed.inlet.offer(feed.first.payload(ft_sample(), seq=seq, stamp=stamp))
+    feed.run(5)
+    assert feed.inlet.accepted == 51
+    feed.run(120)
+    assert feed.fault() is None
+    latest = feed.inlet.latest
+    assert latest is not None and latest.header.seq == feed.first.seq - 1
+    assert latest.delay < 0.001
+
+
+def test_a_message_repeated_for_ever_never_counts_as_new() -> None:
+    feed = Feed()
+    feed.run(5)
+    payload = feed.first.payload(ft_sample(), seq=3)
+    for _ in range(300):
+        feed.clock.advance(0.01)
+        feed.inlet.offer(payload)
+    assert feed.inlet.accepted == 5
+    assert feed.fault() is FaultKind.SILENT
+
+
+def test_threads_may_offer_at_once() -> None:
+    """Whatever the interleaving: each message is accepted once or counted as out of order, and the newest wins."""
+    feed = Feed()
+    count, threads = 500, 4
+    payloads = [
+        feed.first.payload(ft_sample(), stamp=feed.first.stamp() + number)
+        for number in range(count * threads)
+    ]
+    barrier = threading.Barrier(threads)
+
+    def offer(part: int) -> None:
+        barrier.wait()
+        for payload in payloads[part::threads]:
+            feed.inlet.offer(payload)
+
+    workers = [threading.Thread(target=offer, args=(part,)) for part in range(threads)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    latest = feed.inlet.latest
+    assert latest is not None and latest.header.seq == count * threads - 1
+    assert latest.number == feed.inlet.accepted == len(feed.received)
+    assert feed.inlet.accepted + feed.inlet.out_of_order == count * threads
+
+
+def test_headers_of_extreme_integers_do_no_harm() -> None:
+    feed = Feed()
+    for seq, session, stamp in (
+        (0, 0, 2**64 - 1),
+        (2**64 - 1, 0, 2**64 - 1),
+        (5, 1, -(2**63)),
+        (6, 1, 2**64 - 1),
+    ):
+        feed.clock.advance(2.0)
+        feed.inlet.offer(Publisher(feed.clock, session).payload(ft_sample(), seq=seq, stamp=stamp))
+        feed.fault()
+        assert np.isfinite([feed.inlet.age(feed.clock.now), feed.inlet.loss(), feed.inlet.age_limit]).all()
+    assert feed.inlet.accepted == 4
+    assert isinstance(feed.received[-1].header, Header)
