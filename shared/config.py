@@ -53,7 +53,7 @@ def service_parser(service: str) -> OneLineParser:
         help="endpoint of the Zenoh router",
     )
     parser.add_argument(
-        "--config", default=os.environ.get("TANDEM_CONFIG"), help="TOML file, one table per service"
+        "--config", default=os.environ.get("TANDEM_CONFIG") or None, help="TOML file, one table per service"
     )
     parser.add_argument(
         "--set",
@@ -117,7 +117,7 @@ def _table(path: Path, service: str) -> Mapping[str, Any]:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as problem:
         raise Misconfigured(f"--config {path}: {problem.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as problem:
         raise Misconfigured(f"--config {path}: not TOML ({problem})") from None
     table = content.get(service, {})
     if not isinstance(table, dict):
@@ -134,7 +134,7 @@ def _assigned(assignment: str) -> dict[str, Any]:
         raise Misconfigured(f"--set {assignment}: wanted key=value")
     try:
         return {name.strip(): tomllib.loads(f"value = {text}")["value"]}
-    except tomllib.TOMLDecodeError:
+    except (tomllib.TOMLDecodeError, RecursionError):
         raise Misconfigured(
             f'--set {assignment}: the value is not TOML; text needs quotes: {name}="..."'
         ) from None
@@ -142,5 +142,6 @@ def _assigned(assignment: str) -> dict[str, Any]:
 
 def complain(service: str, problem: Exception) -> int:
     """Print the one line of a bad configuration; returns the exit status for it."""
-    print(f"{service}: {problem}", file=sys.stderr, flush=True)
+    # Whatever was given may hold line breaks.
+    print(f"{service}: {' '.join(str(problem).split())}", file=sys.stderr, flush=True)
     return 2

@@ -16,6 +16,9 @@ from shared.spatial import Array
 LONGEST_TTL = 0.2
 """A command is never executed for longer than this [s], whatever ``ttl`` it asks for."""
 
+_LONGEST_REASON = 200
+"""Characters kept of a stop's reason: it travels on in the robot's status, which has a largest size."""
+
 
 @dataclass(frozen=True)
 class GateLimits:
@@ -79,10 +82,16 @@ class Gate:
 
     def stop(self, engaged: bool, reason: str) -> None:
         """Engage or release the stop; it stays engaged until released."""
-        self._stopped = (reason or "no reason given") if engaged else ""
+        self._stopped = (reason[:_LONGEST_REASON] or "no reason given") if engaged else ""
 
     def advance(self, dt: float) -> Array:
-        """Twist (6,) [m/s, rad/s] to execute during the next ``dt`` [s]."""
+        """Twist (6,) [m/s, rad/s] to execute during the next ``dt`` [s].
+
+        Raises:
+            ValueError: if ``dt`` is no duration.
+        """
+        if not 0.0 <= dt < math.inf:
+            raise ValueError(f"dt is {dt}, wanted a finite duration in seconds")
         moving = bool(self._wanted.any())
         if self._stopped or self._left <= 0.0:
             if moving and not self._stopped:
