@@ -16,7 +16,7 @@ import numpy as np
 
 from shared.spatial import Array
 
-_TURN_QUANTUM = 0.004
+TURN_QUANTUM = 0.004
 """Rotation [rad] that a bound is widened by beyond what is needed now, so that it can be used for some ticks."""
 
 _NEXT = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
@@ -140,13 +140,13 @@ class StiffnessBound:
         # up to half a radian, and a larger difference always recomputes.
         square = float(np.vdot(difference, difference))
         needed = turn + (0.72 * math.sqrt(square) if square < 0.1 else math.inf)
-        if needed <= self._turn < needed + 2.0 * _TURN_QUANTUM and self._force == force:
+        if needed <= self._turn < needed + 2.0 * TURN_QUANTUM and self._force == force:
             return
         self._recompute(rotation, turn, force)
 
     def _recompute(self, rotation: Array, turn: float, force: list[float]) -> None:
         self._rotation = rotation.copy()
-        self._turn = turn + _TURN_QUANTUM
+        self._turn = turn + TURN_QUANTUM
         self._force = force
         E = [[0.0] * 6 for _ in range(6)]
         low = [0.0] * 6

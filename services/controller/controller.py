@@ -100,7 +100,7 @@ class Controller:
         raise Refused(f"{query.key} is not served by the controller")
 
     def apply(self, parameters: Parameters) -> None:
-        """Take over parameters; after a change of the timing it rests until all that is in flight is counted with it."""
+        """Take over parameters; after a change of the timing it rests until all in flight is counted with it."""
         assert isinstance(parameters, ControllerParameters)
         before = self._settings
         self.parameters = self._settings = parameters

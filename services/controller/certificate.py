@@ -1,0 +1,95 @@
+"""What the certified law guarantees under a configuration, and which number limits it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from services.controller.caps import AXES, Caps
+from services.controller.contact import TURN_QUANTUM, StiffnessBound
+from services.controller.parameters import ControllerParameters
+from shared.spatial import Array
+
+MOVING_FACTOR = 1.4
+"""Peak of the excess in a moving environment over ``Kbar v D``: 1.0 to 1.39 in the scalar loop, yielding included."""
+_ROUNDS = 20
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What holds along one axis while the tool approaches from free space, tool and base axes parallel.
+
+    Attributes:
+        axis: its name.
+        speed: certified approach speed [m/s, rad/s].
+        limited_by: the number that limits it.
+        excess: worst excess [N, Nm] of the wrench's axis over its limit while the environment moves.
+    """
+
+    axis: str
+    speed: float
+    limited_by: str
+    excess: float
+
+
+def certificates(
+    parameters: ControllerParameters, limit: Array, error_bound: Array, environment_speed: float = 0.1
+) -> list[Certificate]:
+    """The certificate of each axis.
+
+    Args:
+        parameters: of the controller.
+        limit: wbar (6,) [N, Nm].
+        error_bound: eps (6,) [N, Nm].
+        environment_speed: [m/s], in whatever direction.
+
+    Raises:
+        ValueError: if the limits cannot be kept with such errors; the text says why.
+    """
+    caps = Caps(parameters.reserve, parameters.yield_start)
+    inertia = np.zeros(6)
+    inertia[:3] = parameters.payload_mass * np.array(parameters.max_acceleration[:3])
+    caps.update(limit, error_bound + inertia)
+    if caps.refusal is not None:
+        raise ValueError(caps.refusal)
+    rounded = parameters.yield_start < 1.0
+    response = parameters.horizon + (0.0 if rounded else parameters.period)
+    rest = _bound(parameters, limit, 0.0)
+    found = []
+    for axis in range(6):
+        speed, reason = _approach(parameters, limit, caps, axis)
+        worst = max(rest.rows[axis][:3])
+        excess = MOVING_FACTOR * worst * environment_speed * response
+        found.append(Certificate(AXES[axis], speed, reason, excess))
+    return found
+
+
+def _bound(parameters: ControllerParameters, limit: Array, turn: float) -> StiffnessBound:
+    bound = StiffnessBound(parameters.contact_zones)
+    # A bound may be kept until it is wider than needed by twice the quantum; this is the widest.
+    widest = turn + parameters.max_angular * parameters.period + TURN_QUANTUM
+    bound.update(np.eye(3), widest, limit[:3].tolist())
+    return bound
+
+
+def _approach(parameters: ControllerParameters, limit: Array, caps: Caps, axis: int) -> tuple[float, str]:
+    """``min_j A_j / (Kbar_ji (T + d + tau))``, the own axis less its reserve; iterated, since turning widens Kbar."""
+    linear = axis < 3
+    speed, reason = (
+        (parameters.max_linear, "max_linear") if linear else (parameters.max_angular, "max_angular")
+    )
+    for _ in range(_ROUNDS):
+        turn = 0.0 if linear else speed * (parameters.delay + parameters.lag)
+        bound = _bound(parameters, limit, turn)
+        allowed = [
+            (caps.levels[0][j] / (bound.rows[j][axis] * parameters.horizon), f"limit {AXES[j]}")
+            for j in range(6)
+        ]
+        own = caps.levels[1][axis] / (bound.rows[axis][axis] * parameters.horizon)
+        allowed.append((own, f"limit {AXES[axis]} less the reserve"))
+        slowest = min(allowed)
+        if slowest[0] >= speed:
+            break
+        speed, reason = slowest
+    return float(speed), reason
