@@ -1,0 +1,83 @@
+"""Films of recorded runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import imageio.v2 as imageio
+import numpy as np
+import pytest
+
+from services.sim.film import HEIGHT, WIDTH, main
+from services.sim.kinematics import CHAIN, HOME
+from services.sim.scene import Scene
+
+
+def recording(path: Path, **changes: object) -> Path:
+    rows = 40
+    joints = np.tile([HOME[name] for name in CHAIN], (rows, 1))
+    joints[:, 0] -= np.linspace(0, 0.3, rows)
+    data = {
+        "time": np.linspace(0, 4, rows),
+        "joint_names": np.array(CHAIN),
+        "joint_positions": joints,
+        "bag_mass": np.where(np.arange(rows) > 10, 2.0, 0.0),
+        "bag_height": np.where(np.arange(rows) > 10, np.linspace(0.4, 0.0, rows), np.nan),
+        "force_z": np.linspace(0, -30, rows),
+        "limit_z": 25.0,
+    }
+    np.savez(path, **{name: value for name, value in (data | changes).items() if value is not None})  # type: ignore[arg-type]
+    return path
+
+
+def test_a_film_has_its_length_and_its_pictures_change(tmp_path: Path) -> None:
+    film = tmp_path / "film.mp4"
+    source = recording(tmp_path / "run.npz")
+    assert main([str(source), str(film), "--rate", "5", "--speed", "4"]) == 0
+    reader = imageio.get_reader(film)
+    pictures = [np.asarray(picture, dtype=float) for picture in reader]
+    assert len(pictures) == 5
+    assert pictures[0].shape == (HEIGHT, WIDTH, 3)
+    assert np.abs(pictures[0] - pictures[-1]).mean() > 1.0
+
+
+def test_the_tool_appears_where_the_camera_says() -> None:
+    scene = Scene(320, 240)
+    try:
+        scene.pose(HOME, None)
+        without = scene.picture().astype(int)
+        column, row = scene.pixel(scene.tool())
+        scene.pose(HOME, scene.tool()[2] - 0.6)
+        changed = np.argwhere(np.abs(scene.picture().astype(int) - without).sum(axis=2) > 30)
+        # The rope begins at the tool.
+        top = changed[changed[:, 0].argmin()]
+        assert top == pytest.approx((row, column), abs=8)
+    finally:
+        scene.close()
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"force_z": None}, "no recording of a run"),
+        ({"force_z": np.zeros(3)}, "series of one length"),
+        ({"joint_positions": np.zeros((40, 2))}, "joint_positions has shape (40, 2), wanted (40, 8)"),
+    ],
+)
+def test_a_bad_recording_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], changes: dict[str, object], says: str
+) -> None:
+    source = recording(tmp_path / "run.npz", **changes)
+    assert main([str(source), str(tmp_path / "film.mp4")]) == 2
+    complaint = capsys.readouterr().err.strip()
+    assert says in complaint
+    assert "\n" not in complaint
+
+
+def test_a_missing_recording_or_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([str(tmp_path / "none.npz"), str(tmp_path / "film.mp4")]) == 2
+    assert "none.npz" in capsys.readouterr().err
+    source = recording(tmp_path / "run.npz")
+    assert main([str(source), str(tmp_path / "nowhere" / "film.mp4")]) == 2
+    assert "no such folder" in capsys.readouterr().err
+    assert main([str(source), str(tmp_path / "film.mp4"), "--speed", "0"]) == 2

@@ -1,0 +1,157 @@
+"""The sensors' errors and the faults put on them, as a subscriber sees them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from services.sim.ft_sensor import RANGE, ForceTorqueSensor
+from shared import topics
+from tests.services.sim.rig import Rig
+
+QUIET = {"ft_noise": [0.0] * 6}
+
+
+def test_noise_has_the_stated_deviation_and_bias() -> None:
+    noise = np.array((0.1, 0.2, 0.3, 0.01, 0.02, 0.03))
+    bias = np.array((1.0, -2.0, 3.0, 0.1, -0.2, 0.3))
+    sensor = ForceTorqueSensor(noise, bias, seed=3)
+    readings = np.array([sensor.read(np.zeros(6))[0] for _ in range(20_000)])
+    assert readings.std(axis=0) == pytest.approx(noise, rel=0.03)
+    assert readings.mean(axis=0) == pytest.approx(bias, abs=0.01)
+
+
+@pytest.mark.parametrize("axis", range(6))
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_beyond_its_range_an_axis_saturates_and_says_so(axis: int, sign: float) -> None:
+    sensor = ForceTorqueSensor(np.zeros(6), np.zeros(6), seed=0)
+    wrench = np.zeros(6)
+    wrench[axis] = sign * 1.1 * RANGE[axis]
+    reading, saturated = sensor.read(wrench)
+    assert saturated
+    assert reading[axis] == sign * RANGE[axis]
+    assert not sensor.read(0.8 * wrench)[1]
+
+
+def test_the_same_seed_gives_the_same_run_and_another_seed_another_one() -> None:
+    def readings(seed: int) -> np.ndarray:
+        rig = Rig(seed=seed)
+        rig.ask(command="load", mass=1.0)
+        rig.move((0.02, 0, -0.05), 0.5)
+        return np.array([np.concatenate((m.force, m.torque)) for m in rig.all(topics.SENSOR_FT)])
+
+    first = readings(1)
+    assert (first == readings(1)).all()
+    assert (first != readings(2)).any()
+
+
+def test_off_is_silence_and_only_of_that_sensor() -> None:
+    rig = Rig()
+    for target, keys in (("ft", ("sensor/ft",)), ("joints", ("state/joints", "state/ee"))):
+        rig.ask(command="fault", target=target, kind="off")
+        before = {key: len(received) for key, received in rig.received.items()}
+        rig.run(0.5)
+        silent = {
+            key for key in ("sensor/ft", "state/joints", "state/ee") if len(rig.received[key]) == before[key]
+        }
+        assert silent == set(keys)
+        rig.ask(command="fault", target=target, kind="ok")
+        rig.run(0.2)
+        assert all(len(rig.received[key]) > before[key] for key in keys)
+
+
+def test_stuck_repeats_one_reading_although_the_load_changes() -> None:
+    rig = Rig()
+    rig.ask(command="fault", target="ft", kind="stuck")
+    rig.run(0.02)
+    before = len(rig.received["sensor/ft"])
+    rig.ask(command="load", mass=2.0)
+    rig.run(1.0)
+    stuck = np.array([m.force for m in rig.all(topics.SENSOR_FT)[before:]])
+    assert len(stuck) == 100
+    assert (stuck == stuck[0]).all()
+
+
+def test_stuck_encoders_repeat_one_position() -> None:
+    rig = Rig()
+    rig.ask(command="fault", target="joints", kind="stuck")
+    rig.run(0.02)
+    height = rig.height
+    rig.move((0, 0, -0.1), 0.5)
+    assert rig.height == height
+    rig.ask(command="fault", target="joints", kind="ok")
+    rig.run(0.05)
+    assert rig.height < height - 0.03
+
+
+def test_bias_shifts_every_axis_or_each_by_its_own() -> None:
+    rig = Rig(**QUIET)
+    before = rig.last(topics.SENSOR_FT)
+    rig.ask(command="fault", target="ft", kind="bias", value=[1, 2, 3, 0.1, 0.2, 0.3])
+    rig.run(0.1)
+    after = rig.last(topics.SENSOR_FT)
+    assert after.force - before.force == pytest.approx((1, 2, 3), abs=1e-3)
+    assert after.torque - before.torque == pytest.approx((0.1, 0.2, 0.3), abs=1e-3)
+    rig.ask(command="fault", target="ft", kind="bias", value=5.0)
+    rig.run(0.1)
+    assert rig.last(topics.SENSOR_FT).force - before.force == pytest.approx((5, 5, 5), abs=1e-3)
+
+
+def test_garbage_is_rejected_by_whoever_receives_it() -> None:
+    rig = Rig()
+    inlet = rig.stack.client.watch(topics.SENSOR_FT)
+    rig.ask(command="fault", target="ft", kind="garbage")
+    rig.run(0.5)
+    assert inlet.rejected == 50
+    assert inlet.accepted == 0
+    rig.ask(command="fault", target="ft", kind="ok")
+    rig.run(0.1)
+    assert inlet.accepted == 10
+
+
+def test_delay_brings_old_samples_whose_stamps_say_so() -> None:
+    rig = Rig(**QUIET)
+    inlet = rig.stack.client.watch(topics.SENSOR_FT)
+    rig.run(0.2)
+    rig.ask(command="fault", target="ft", kind="delay", value=0.05)
+    rig.ask(command="push", force=[0.0, 0.0, -10.0], duration=10.0)
+    rig.run(0.04)
+    arrived = inlet.accepted
+    assert arrived == 20
+    rig.run(0.2)
+    assert inlet.latest is not None
+    assert inlet.latest.delay == pytest.approx(0.05, abs=1e-3)
+    pushed = [np.linalg.norm(message.force) > 10.0 for message in rig.all(topics.SENSOR_FT)]
+    assert sum(pushed) == pytest.approx(19, abs=1)
+    assert pushed[-1] and not pushed[arrived - 1]
+
+
+def test_faults_show_in_the_health() -> None:
+    rig = Rig()
+    rig.ask(command="fault", target="ft", kind="stuck")
+    rig.run(1.0)
+    health = rig.received["health/sim"][-1].message
+    assert health.state == "degraded"
+    assert "ft sensor: stuck" in health.detail
+
+
+@pytest.mark.parametrize(
+    ("ft_rate", "joint_rate"), [(30.0, 100.0), (100.0, 50.0), (250.0, 100.0), (500.0, 500.0)]
+)
+def test_topics_come_at_their_rates(ft_rate: float, joint_rate: float) -> None:
+    rig = Rig(ft_rate=ft_rate, joint_rate=joint_rate)
+    before = {key: len(received) for key, received in rig.received.items()}
+    rig.run(2.0)
+    for key, rate in (
+        ("sensor/ft", ft_rate),
+        ("state/joints", joint_rate),
+        ("state/ee", joint_rate),
+        ("state/base", 50),
+        ("state/gripper", 20),
+        ("state/robot", 5),
+        ("sim/world", 30),
+    ):
+        assert len(rig.received[key]) - before[key] == pytest.approx(2.0 * rate, abs=2), key
+    assert rig.last(topics.SIM_WORLD).time == pytest.approx(rig.stack.now, abs=0.05)
+    stamps = [received.header.stamp for received in rig.received["sensor/ft"]]
+    assert np.diff(stamps) == pytest.approx(1e9 / ft_rate, abs=1e4)

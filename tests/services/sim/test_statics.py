@@ -1,0 +1,94 @@
+"""What the wrist sensor reads while weights hang still, against statics worked out from the URDF's masses."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from services.sim.kinematics import CHAIN, SENSOR_FRAME, TOOL_FRAME, Kinematics, full_model, home, joint_names
+from services.sim.physics import GRAVITY, Physics
+
+STEP = 0.002
+POSES = {
+    "home": Kinematics().home,
+    "stretched": np.array((0.2, 0.3, 0.4, 0.5, 0.6, 0.2, 0.3, -0.4)),
+    "gripper up": np.array((0.1, 1.0, 0.2, 1.5, 1.8, -1.0, 1.2, 0.5)),
+    "rolled": np.array((0.3, 0.6, 1.0, 1.0, 2.2, 1.5, 1.0, 1.9)),
+    "twisted": np.array((0.0, 1.3, -0.5, 2.5, 0.8, 1.9, -1.2, -1.5)),
+}
+
+
+def statics(position: np.ndarray, force: np.ndarray, torque: np.ndarray) -> np.ndarray:
+    """Wrench (6,) on the sensor in its axes: weight of everything beyond it, plus a force and torque at the tool."""
+    model = full_model()
+    data = model.createData()
+    q = home(model)
+    for name, value in zip(CHAIN, position, strict=True):
+        q[joint_names(model).index(name)] = value
+    pin.framesForwardKinematics(model, data, q)
+    sensor, tool = (data.oMf[model.getFrameId(name)] for name in (SENSOR_FRAME, TOOL_FRAME))
+    forces = [(force, tool.translation)]
+    for name, centre, mass in (
+        ("gripper_right_link", (-0.000294, 0.000291, -0.033086), 0.60266),
+        ("gripper_right_left_finger_link", (-0.00447, 0.010766, -0.121013), 0.10998),
+        ("gripper_right_right_finger_link", (0.00447, -0.010766, -0.121013), 0.10998),
+    ):
+        pose = data.oMf[model.getFrameId(name)]
+        forces.append((np.array((0, 0, -mass * GRAVITY)), pose.act(np.array(centre))))
+    total = sum(f for f, _ in forces)
+    about = torque + sum(np.cross(point - sensor.translation, f) for f, point in forces)
+    return np.concatenate((sensor.rotation.T @ total, sensor.rotation.T @ about))
+
+
+@pytest.mark.parametrize(("pose", "mass"), list(product(POSES, (0.0, 0.5, 2.0, 2.85))), ids=str)
+def test_hanging_masses(pose: str, mass: float) -> None:
+    force = np.array((0.0, 0.0, -mass * GRAVITY))
+    reading, wanted = _settled(POSES[pose], force, np.zeros(3))
+    assert np.linalg.norm(reading[:3] - wanted[:3]) < 0.01 * np.linalg.norm(wanted[:3])
+    # Torque is judged against the lever arm of the whole load, so that a vanishing torque has a scale too.
+    scale = max(np.linalg.norm(wanted[3:]), 0.1 * np.linalg.norm(wanted[:3]))
+    assert np.linalg.norm(reading[3:] - wanted[3:]) < 0.02 * scale
+
+
+def test_pushes_in_every_direction() -> None:
+    for force, torque in (
+        ((9, -4, 6), (0, 0, 0)),
+        ((0, 0, 0), (0.8, -0.6, 0.4)),
+        ((-5, 8, -3), (-1, 0.5, 1)),
+    ):
+        reading, wanted = _settled(POSES["home"], np.array(force, float), np.array(torque, float))
+        assert reading == pytest.approx(wanted, abs=0.02 * np.linalg.norm(wanted[:3]))
+
+
+def test_motors_give_what_statics_ask_for() -> None:
+    kinematics = Kinematics()
+    force = np.array((0.0, 0.0, -20.0))
+    physics = Physics(kinematics.home, kinematics.effort, STEP)
+    _hold(physics, kinematics, force, np.zeros(3))
+    wanted = kinematics.holding_effort(physics.position, force)
+    physics.close()
+    assert physics.effort() == pytest.approx(wanted, abs=0.01 * 43)
+    assert physics.effort()[1:] == pytest.approx(wanted[1:], abs=0.02)
+
+
+def _settled(pose: np.ndarray, force: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Reading (6,) with motors of unlimited effort in a pose, and the statics of where the arm came to rest."""
+    kinematics = Kinematics()
+    assert ((pose >= kinematics.lower) & (pose <= kinematics.upper)).all(), (
+        "the pose is outside the joints' limits"
+    )
+    physics = Physics(pose, np.full(8, 1e4), STEP)
+    _hold(physics, kinematics, force, torque)
+    reading = physics.wrist_wrench()
+    physics.close()
+    return reading, statics(physics.position, force, torque)
+
+
+def _hold(physics: Physics, kinematics: Kinematics, force: np.ndarray, torque: np.ndarray) -> None:
+    for _ in range(250):
+        kinematics.update(physics.position)
+        physics.push(force.tolist(), torque.tolist(), kinematics.tool()[0].tolist())
+        physics.step()
