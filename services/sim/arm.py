@@ -20,6 +20,8 @@ LOWEST_TOOL = 0.3
 SLACK = 0.02
 """Farthest [rad, m] that a set-point runs ahead of a joint that cannot follow because its effort is at the limit."""
 TORSO_BOTTOM = 0.01
+TORSO_MARGIN, ARM_MARGIN = 0.003, 0.01
+"""Distance [m, rad] from their position limits at which the joints stand still."""
 DRIVE_LAG = 0.015
 """Time constant [s] of the drives: the tool's twist follows the commanded one as a first-order lag."""
 AT_REST = 1e-5
@@ -46,7 +48,8 @@ class Arm:
         model = self.kinematics
         self.physics = Physics(model.home, model.effort, step)
         weight = np.array([TORSO_WEIGHT] + [1.0] * (len(CHAIN) - 1))
-        self._ik = DifferentialIK(model.lower, model.upper, model.speed, CHAIN, weight)
+        margin = np.array([TORSO_MARGIN] + [ARM_MARGIN] * (len(CHAIN) - 1))
+        self._ik = DifferentialIK(model.lower, model.upper, model.speed, margin, CHAIN, weight)
         model.update(model.home)
         self._follow = 1.0 - math.exp(-step / DRIVE_LAG)
         self._ik_steps = max(1, round(IK_PERIOD / step))

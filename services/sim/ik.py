@@ -23,8 +23,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-POSITION_MARGIN = 0.01
-"""Distance [rad, m] from a joint's limit at which it stands still."""
 APPROACH_RATE = 10.0
 """Speed [1/s] allowed per distance left to the limit."""
 POSTURE_RATE = 1.0
@@ -37,7 +35,7 @@ ANGULAR_LENGTH = 0.3
 """Length [m] that makes an angular velocity comparable to a linear one."""
 EFFORT_WEIGHT = 0.1
 POSTURE_WEIGHT = 1.0
-PRICE = 100.0
+PRICE = 1000.0
 """c: square of the joint speed per tool speed [rad/m] above which the twist is slowed down."""
 
 
@@ -56,15 +54,22 @@ class Solution:
 class DifferentialIK:
     """Args:
     lower, upper, speed: position limits [rad, m] and speed limits [rad/s, m/s] of the joints, (n,) each.
+    margin: distance [rad, m] from a position limit at which a joint stands still, (n,).
     names: the joints' names, for reports.
     weight: relative cost (n,) of the joints' speeds.
     """
 
     def __init__(
-        self, lower: Array, upper: Array, speed: Array, names: tuple[str, ...], weight: Array
+        self,
+        lower: Array,
+        upper: Array,
+        speed: Array,
+        margin: Array,
+        names: tuple[str, ...],
+        weight: Array,
     ) -> None:
-        self._lower = lower + POSITION_MARGIN
-        self._upper = upper - POSITION_MARGIN
+        self._lower = lower + margin
+        self._upper = upper - margin
         self._speed = speed
         self._names = names
         self._weight = weight
@@ -116,7 +121,7 @@ class DifferentialIK:
         velocity *= size
         if price <= PRICE and (velocity >= lowest).all() and (velocity <= highest).all():
             return Solution(velocity, 1.0, "")
-        return self._bounded(jacobian, direction, wanted / size, lowest / size, highest / size, size)
+        return self._bounded(jacobian, direction, wanted / size, lowest, highest, size)
 
     def _unbounded(self, jacobian: Array, direction: Array, wanted: Array) -> tuple[Array, float]:
         """The optimum at s = 1 without bounds in closed form, and what the last bit of s costs there.
@@ -136,7 +141,7 @@ class DifferentialIK:
         gradient = np.append(-POSTURE_WEIGHT * self._weight * wanted, -PRICE)
         self._equations[:, :n] = jacobian
         self._equations[:, n] = -direction
-        below, above = np.append(lowest, 0.0), np.append(highest, 1.0)
+        below, above = np.append(lowest / size, 0.0), np.append(highest / size, 1.0)
         if self._ready:
             self._solver.update(P=self._hessian, c=gradient, A=self._equations, x_l=below, x_u=above)
         else:
@@ -147,11 +152,11 @@ class DifferentialIK:
         status = self._solver.solve()
         result = np.array(self._solver.result.x)
         if status != piqp.PIQP_SOLVED or not np.all(np.isfinite(result)):
-            return Solution(np.zeros(n), 0.0, "the inverse kinematics found no solution")
+            return Solution(np.zeros(n), 0.0, self._reason(np.zeros(n), lowest, highest))
         share = min(1.0, max(0.0, float(result[n])))
-        velocity = np.clip(result[:n], lowest, highest)
-        reason = "" if share > 0.999 else self._reason(velocity * size, lowest * size, highest * size)
-        return Solution(velocity * size, share, reason)
+        velocity = np.minimum(np.maximum(result[:n] * size, lowest), highest)
+        reason = "" if share > 0.999 else self._reason(velocity, lowest, highest)
+        return Solution(velocity, share, reason)
 
     def _reason(self, velocity: Array, lowest: Array, highest: Array) -> str:
         close = 1e-3 * self._speed

@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from services.sim.parameters import SimParameters
-from services.sim.simulator import Simulator
 from shared.process import run
+
+if TYPE_CHECKING:
+    from services.sim.simulator import Simulator
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run until SIGTERM; returns the exit status."""
-    return run(Simulator, SimParameters, "sim", None if arguments is None else list(arguments))
+
+    def make(parameters: SimParameters) -> Simulator:
+        # The physics engine takes its time and announces itself when imported: not before the settings are sound.
+        from services.sim.simulator import Simulator
+
+        return Simulator(parameters)
+
+    return run(make, SimParameters, "sim", None if arguments is None else list(arguments))

@@ -149,7 +149,7 @@ class Simulator:
         parts = [
             self.gate.reason,
             self.world.arm.limited_by,
-            *(f"{count} commands {what}" for count, what in counts if count),
+            *(f"commands {what}: {count}" for count, what in counts if count),
             *(f"{key}: {text}" for key, text in refusals if text),
         ]
         return "; ".join(part for part in parts if part)
