@@ -145,7 +145,7 @@ class Source:
         make: Callable[[], Record],
         period: float = 0.01,
     ) -> None:
-        self._scheduler, self._bus, self._topic, self._make = scheduler, bus, topic, make
+        self._scheduler, self._bus, self._topic, self.make = scheduler, bus, topic, make
         self.period = period
         self.publisher = Publisher(scheduler.clock)  # type: ignore[arg-type]
         self.on = True
@@ -155,7 +155,7 @@ class Source:
 
     def _send(self) -> None:
         if self.on:
-            payload = self.publisher.payload(self._make(), self.valid)
+            payload = self.publisher.payload(self.make(), self.valid)
             self._bus.publish(self._topic.key, self.bend(payload))
         self._scheduler.at(self._scheduler.clock.now_ns() + nanoseconds(self.period), self._send)
 

@@ -1,0 +1,178 @@
+"""A loop that comes too late: counted, told, braked, and never caught up. The clock moves while a step computes."""
+
+from __future__ import annotations
+
+from shared.bus_local import LocalBus, Scheduler
+from shared.faults import FaultKind
+from shared.runner import LONGEST_DT, Runner
+from shared.timing import LoopTiming
+from shared.topics import STATE_EE, WRENCH_EXTERNAL
+from tests.shared.rig import ManualClock, Publisher, Recorder, tool, wrench
+
+
+class Loop:
+    """A runner on a clock that its own steps move, fed at 100 Hz."""
+
+    def __init__(self, **wiring: object) -> None:
+        self.clock = ManualClock()
+        self.scheduler = Scheduler()
+        self.service = Recorder(**wiring)
+        self.runner = Runner(self.service, LocalBus(self.scheduler), self.clock)
+        self.wrench, self.ee = Publisher(self.clock), Publisher(self.clock)
+        self.cost = 0.0
+        self.service.on_step = lambda inputs: self.clock.advance(self.cost)
+
+    def deliver(self, age: float = 0.0) -> None:
+        for topic, publisher, message in (
+            (WRENCH_EXTERNAL, self.wrench, wrench()),
+            (STATE_EE, self.ee, tool()),
+        ):
+            inlet = self.runner.inlets.get(topic.key)
+            if inlet is not None:
+                inlet.offer(publisher.payload(message, stamp=publisher.stamp() - round(age * 1e9)))
+
+    def run(self, count: int, period: float = 0.01) -> None:
+        for _ in range(count):
+            self.clock.advance(period)
+            self.deliver()
+            self.runner.poll()
+
+    def working(self) -> None:
+        self.run(100)
+        assert self.runner.fault is None
+        self.service.calls.clear()
+        self.service.steps.clear()
+
+
+def test_a_step_within_its_period_is_no_overrun() -> None:
+    loop = Loop()
+    loop.cost = 0.009
+    loop.run(300, period=0.001)
+    assert loop.runner.timing.overruns == 0
+
+
+def test_late_steps_are_counted_and_more_than_a_twentieth_of_them_brakes() -> None:
+    loop = Loop()
+    loop.working()
+    for _ in range(4):
+        loop.cost = 0.012
+        loop.run(1)
+        loop.cost = 0.0
+        loop.run(15)
+    assert loop.runner.timing.overruns == 4
+    assert "brake overrun" not in loop.service.calls
+    loop.cost = 0.012
+    loop.run(4)
+    loop.cost = 0.0
+    loop.run(1)
+    fault = loop.runner.fault
+    assert fault is not None and fault.kind is FaultKind.OVERRUN
+    assert "steps were late, allowed are 5%" in fault.text
+    loop.run(200)
+    assert loop.runner.fault is None
+
+
+def test_one_stall_of_more_than_five_periods_brakes_and_is_not_caught_up() -> None:
+    loop = Loop()
+    loop.working()
+    loop.clock.advance(0.01)
+    for _ in range(8):
+        loop.deliver()
+        loop.clock.advance(0.01)
+    loop.runner.poll()
+    assert loop.service.calls == ["brake overrun"]
+    loop.runner.poll()
+    loop.runner.poll()
+    assert loop.service.calls == ["brake overrun"]
+    loop.run(3)
+    assert loop.service.calls == ["brake overrun"] + ["step"] * 3
+
+
+def test_a_burst_that_the_network_delivers_at_once_is_no_overrun() -> None:
+    loop = Loop()
+    loop.working()
+    for _ in range(50):
+        loop.clock.advance(0.02)
+        loop.deliver(age=0.01)
+        loop.deliver()
+        loop.runner.poll()
+    assert loop.service.calls == ["step"] * 50
+    assert loop.runner.timing.overruns == 0
+
+
+def test_a_sample_accepted_while_the_loop_reads_is_no_overrun() -> None:
+    loop = Loop()
+    loop.working()
+    inlet = loop.runner.inlets[WRENCH_EXTERNAL.key]
+    waiting_since = inlet.waiting_since
+
+    def racing(number: int) -> int:
+        since = waiting_since(number)
+        inlet.waiting_since = waiting_since  # type: ignore[method-assign]
+        loop.deliver()
+        return since
+
+    inlet.waiting_since = racing  # type: ignore[method-assign]
+    loop.run(1)
+    loop.runner.poll()
+    assert loop.service.calls == ["step"] * 2
+    assert loop.runner.timing.overruns == 0
+
+
+def test_dt_of_the_step_after_a_stall_is_clamped() -> None:
+    loop = Loop()
+    loop.working()
+    loop.cost = 5.0
+    loop.run(1)
+    loop.cost = 0.0
+    loop.run(30)
+    assert max(dt for _, dt in (*loop.service.steps, *loop.service.brakes)) <= LONGEST_DT
+
+
+def test_a_timer_resynchronises_after_a_stall() -> None:
+    loop = Loop(driver=0.01, required=(), optional=())
+    for _ in range(10):
+        loop.clock.advance(0.01)
+        loop.runner.poll()
+    assert loop.service.calls == ["step"] * 10
+    loop.clock.advance(1.0)
+    for _ in range(5):
+        loop.runner.poll()
+    assert loop.service.calls == ["step"] * 10 + ["brake overrun"]
+    assert loop.service.brakes[-1][1] == LONGEST_DT
+    loop.clock.advance(0.01)
+    loop.runner.poll()
+    assert loop.service.calls[-1] == "step"
+    assert loop.runner.next_deadline() > loop.clock.now
+
+
+def test_a_service_may_declare_that_being_late_is_no_fault() -> None:
+    loop = Loop(driver=0.01, required=(), optional=(), overrun_share=1.0)
+    for _ in range(50):
+        loop.clock.advance(0.5)
+        loop.runner.poll()
+    assert loop.service.calls == ["step"] * 50
+
+
+def test_a_loop_that_is_too_rare_is_not_judged_by_shares() -> None:
+    clock = ManualClock()
+    timing = LoopTiming(clock)
+    for _ in range(50):
+        clock.advance(0.1)
+        timing.add(10**9, late=True)
+        assert timing.fault(clock.now, 0.05) is None
+    assert timing.overruns == 50
+
+
+def test_latencies_are_those_of_the_last_second() -> None:
+    clock = ManualClock()
+    timing = LoopTiming(clock)
+    assert timing.summary(clock.now) == (0.0, 0.0, 0.0)
+    for number in range(200):
+        clock.advance(0.01)
+        timing.add(10**9 if number < 90 else 200_000 if number % 50 == 0 else 100_000, late=False)
+    rate, p50, p99 = timing.summary(clock.now)
+    assert rate in (100.0, 101.0)
+    assert p50 == 100.0 and p99 == 200.0
+    clock.advance(2.0)
+    assert timing.summary(clock.now) == (0.0, 0.0, 0.0)

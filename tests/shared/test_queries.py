@@ -1,0 +1,193 @@
+"""Queries, parameters and health of a service on the in-process bus."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import msgpack
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from shared.bus import NoReply
+from shared.codec import encode_map
+from shared.parameters import Refused
+from shared.topics import (
+    CONTROL_PARAMETERS,
+    STATE_EE,
+    TASK_COMMAND,
+    WRENCH_EXTERNAL,
+    WRENCH_TARE,
+    health_topic,
+)
+from tests.shared.rig import tool, wrench
+from tests.shared.runner_rig import Rig
+from tests.shared.strategies import any_plain
+
+NESTED: list[Any] = []
+for _ in range(1015):
+    NESTED = [NESTED]
+
+
+def test_a_query_is_answered_by_the_service() -> None:
+    rig = Rig()
+    assert rig.stack.client.ask(WRENCH_TARE, {"duration": 1.0}) == {"ok": True, "echo": {"duration": 1.0}}
+
+
+def test_a_refusal_says_why() -> None:
+    with pytest.raises(Refused, match=r"^not now$"):
+        Rig().stack.client.ask(WRENCH_TARE, {"refuse": True})
+
+
+def test_nobody_answers_what_nobody_serves() -> None:
+    with pytest.raises(NoReply, match="task/command"):
+        Rig().stack.client.ask(TASK_COMMAND, {})
+
+
+@pytest.mark.parametrize(
+    "request_bytes",
+    [
+        b"\xc1",
+        b"\x01",
+        b"\x81",
+        bytes(70_000),
+        msgpack.packb({1: 2}),
+        encode_map({"set": 3}),
+        msgpack.packb({"set": {b"gain": 1.0}}),
+        msgpack.packb({"set": {"gain": {b"a": 1}}}),
+        encode_map({"set": {"gain": NESTED}}),
+        encode_map({"set": {"x" * 20_000: 1.0}}),
+        encode_map({"set": {"self": 1.0, "cls": 2, "": 3}}),
+    ],
+    ids=range(11),
+)
+def test_a_malformed_request_is_refused_and_ends_nothing(request_bytes: bytes) -> None:
+    rig = Rig()
+    reply = msgpack.unpackb(rig.stack.bus.query(CONTROL_PARAMETERS.key, request_bytes, 1.0))
+    assert reply["ok"] is False
+    assert 0 < len(reply["error"]) <= 600
+    assert rig.service.parameters.gain == 1.0
+    assert rig.stack.client.ask(CONTROL_PARAMETERS)["ok"]
+
+
+@pytest.mark.parametrize(
+    "problem", [TypeError("x"), KeyError("duration"), ValueError("x"), AttributeError("x")]
+)
+def test_a_request_that_trips_the_service_is_refused_and_ends_nothing(problem: Exception) -> None:
+    rig = Rig()
+
+    def trip(_request: dict[str, Any]) -> dict[str, Any]:
+        raise problem
+
+    rig.service.on_query = trip
+    with pytest.raises(Refused, match=type(problem).__name__):
+        rig.stack.client.ask(WRENCH_TARE, {})
+    rig.stack.run(0.2)
+
+
+@settings(max_examples=60, deadline=None)
+@given(wanted=any_plain)
+def test_any_setting_is_granted_within_its_range_or_refused(wanted: object) -> None:
+    rig = Rig()
+    try:
+        rig.stack.client.ask(CONTROL_PARAMETERS, {"set": {"gain": wanted}})
+    except Refused:
+        assert rig.service.parameters.gain == 1.0
+    else:
+        assert rig.service.parameters.gain == wanted and 0.0 <= rig.service.parameters.gain <= 10.0
+
+
+def test_parameters_are_told_with_unit_range_and_meaning() -> None:
+    reply = Rig().stack.client.ask(CONTROL_PARAMETERS)
+    assert reply["parameters"] == {
+        "gain": {"value": 1.0, "unit": "1/s", "min": 0.0, "max": 10.0, "doc": "a number"},
+        "limit": {"value": [1.0, 1.0, 1.0], "unit": "N", "min": 0.1, "max": 50.0, "doc": "a vector"},
+    }
+
+
+def test_parameters_are_set_together_or_not_at_all() -> None:
+    rig = Rig()
+    with pytest.raises(Refused, match=r"limit is \[1.0, -3.0, 1.0\], allowed is 0.1 to 50 N"):
+        rig.stack.client.ask(CONTROL_PARAMETERS, {"set": {"gain": 2.0, "limit": [1, -3, 1]}})
+    assert rig.service.parameters.gain == 1.0
+    reply = rig.stack.client.ask(CONTROL_PARAMETERS, {"set": {"gain": 2, "limit": [1, 3, 1]}})
+    assert reply["parameters"]["limit"]["value"] == [1.0, 3.0, 1.0]
+    assert rig.service.parameters.gain == 2.0
+
+
+def test_a_flood_of_queries_does_not_keep_the_loop_from_stepping() -> None:
+    """However many requests arrive between two polls, a poll answers one, after the step."""
+    rig = Rig()
+    rig.working()
+    answered: list[int] = []
+
+    def flood() -> None:
+        for _ in range(20):
+            rig.stack.bus.query_later(
+                WRENCH_TARE.key, b"", lambda reply: answered.append(len(rig.service.calls))
+            )
+        rig.stack.scheduler.at(rig.stack.scheduler.clock.now_ns() + 1_000_000, flood)
+
+    flood()
+    rig.stack.run(0.5)
+    assert rig.service.calls == ["step"] * 50
+    assert len(answered) > 500
+    inbox = rig.runner._desk.inbox(WRENCH_TARE)
+    replies: list[bytes] = []
+    for _ in range(5):
+        inbox(b"", replies.append)
+    before = len(answered) + len(replies)
+    rig.runner.poll()
+    assert len(answered) + len(replies) - before <= 1
+
+
+def test_more_requests_than_fit_are_dropped_not_queued() -> None:
+    rig = Rig()
+    inbox = rig.runner._desk.inbox(WRENCH_TARE)
+    replies: list[bytes] = []
+    for _ in range(1000):
+        inbox(b"", replies.append)
+    rig.stack.run(1.0)
+    assert len(replies) == 32
+
+
+def test_health_at_two_hertz_tells_state_reason_and_inputs() -> None:
+    rig = Rig()
+    health = []
+    topic = health_topic("recorder")
+    rig.stack.client.watch(topic, lambda received: health.append(received.message))
+    rig.stack.run(1.2)
+    assert len(health) == 3
+    assert health[-1].state == "starting" and "never received" in health[-1].detail
+    assert not health[-1].inputs[WRENCH_EXTERNAL.key].ok
+    assert health[-1].inputs[WRENCH_EXTERNAL.key].age == -1.0
+    driver = rig.source(WRENCH_EXTERNAL, wrench)
+    rig.source(STATE_EE, tool)
+    rig.stack.run(2.0)
+    assert health[-1].state == "ok" and health[-1].detail == ""
+    assert health[-1].loop_hz == pytest.approx(100, abs=2)
+    assert health[-1].inputs[WRENCH_EXTERNAL.key].ok
+    assert health[-1].inputs[WRENCH_EXTERNAL.key].hz == pytest.approx(100, abs=2)
+    rig.service.note = "warm"
+    rig.stack.run(0.6)
+    assert (health[-1].state, health[-1].detail) == ("degraded", "warm")
+    rig.stack.bus.publish(WRENCH_EXTERNAL.key, b"?")
+    driver.on = False
+    rig.stack.run(0.6)
+    assert health[-1].state == "degraded" and "wrench/external" in health[-1].detail
+    assert health[-1].inputs[WRENCH_EXTERNAL.key].rejected == 1
+    assert not health[-1].inputs[WRENCH_EXTERNAL.key].ok
+    assert all(math.isfinite(row.age) for row in health[-1].inputs.values())
+
+
+def test_a_service_is_alive() -> None:
+    assert Rig().stack.bus.living() == {"recorder"}
+
+
+@given(st.binary(max_size=100))
+@settings(max_examples=50, deadline=None)
+def test_any_request_bytes(request_bytes: bytes) -> None:
+    rig = Rig()
+    reply = msgpack.unpackb(rig.stack.bus.query(CONTROL_PARAMETERS.key, request_bytes, 1.0))
+    assert isinstance(reply["ok"], bool)
