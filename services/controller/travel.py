@@ -12,6 +12,8 @@ _ROWS = 512
 _MOST_SEGMENTS = 256
 _OLD_SEGMENTS = 4
 """So many segments that have acted but for the lag are folded into the tail together, which is faster."""
+_FORGETTING = 1.01
+"""Factor per command with which the shortest interval between commands is forgotten."""
 _INSTANT = 1e-9
 """Times closer than this [s] are equal."""
 
@@ -47,6 +49,7 @@ class Travel:
         self._durations: list[float] = []
         self._first = 0
         self._tail = np.zeros(12)
+        self._interval = 0.0  # [s] shortest recent one between two commands, 0 = not known yet
 
     def configure(self, period: float, delay: float, lag: float) -> None:
         """Change the timing [s]; what is in flight is counted with the new one."""
@@ -57,7 +60,9 @@ class Travel:
         if dt > 0.0:
             held = min(dt, self.period)
             self._push(held)
-            if dt > held:  # the robot zeroes a command that is older than T
+            if dt <= self.period:
+                self._interval = min(dt, _FORGETTING * self._interval) if self._interval > 0.0 else dt
+            else:  # the robot zeroes a command that is older than T
                 self.speeds[:] = 0.0
                 self._push(dt - held)
             self._tail *= math.exp(-dt / self.lag) if self.lag > 0.0 else 0.0
@@ -70,9 +75,9 @@ class Travel:
         np.negative(twist, out=speeds[:6])
         speeds[6:] = twist
         np.maximum(speeds, 0.0, out=speeds)
-        # It may act early, in place of earlier ones, by the spread of the delay: at most T less the interval.
+        # It may act early, in place of earlier ones, by the spread of the delay: at most T less a regular interval.
         row = self._first + len(durations)
-        early = self.period - (durations[-1] if durations else 0.0)
+        early = self.period - self._interval
         while early > _INSTANT and row > self._first:
             row -= 1
             np.maximum(self._acting[row], speeds, out=self._acting[row])

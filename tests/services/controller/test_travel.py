@@ -1,0 +1,135 @@
+"""Travel in flight against a brute-force integration of what the robot still does."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from services.controller.travel import Travel
+
+STEP = 2e-4
+
+
+def still_to_come(
+    sent: list[tuple[float, np.ndarray]],
+    arrivals: list[float],
+    now: float,
+    period: float,
+    sample: float,
+    lag: float,
+) -> np.ndarray:
+    """Travel (12,) that the robot makes after the instant ``sample`` from what was sent before ``now``.
+
+    A command acts from its arrival to the next one's, at most for ``period``; the robot follows with ``lag``.
+    """
+    events = sorted((arrival, index) for index, arrival in enumerate(arrivals) if math.isfinite(arrival))
+    start = sent[0][0]
+    end = now + 10 * lag + 3 * period + 0.1
+    velocity = np.zeros(6)
+    total = np.zeros(12)
+    decay = math.exp(-STEP / lag) if lag > 0 else 0.0
+    position = 0
+    for step in range(int((end - start) / STEP)):
+        time = start + step * STEP
+        while position + 1 < len(events) and events[position + 1][0] <= time:
+            position += 1
+        arrival, index = events[position]
+        acting = arrival <= time < arrival + period
+        wanted = sent[index][1] if acting else np.zeros(6)
+        velocity = wanted + decay * (velocity - wanted)
+        if time >= sample:
+            total[:6] += STEP * np.maximum(-velocity, 0.0)
+            total[6:] += STEP * np.maximum(velocity, 0.0)
+    return total
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_nothing_that_is_still_to_come_is_forgotten(seed: int) -> None:
+    """Jittering intervals, varying transport, lost commands, a lag: what is counted is never less than what comes."""
+    rng = np.random.default_rng(seed)
+    nominal = float(rng.choice((0.004, 0.01, 0.033)))
+    jitter = rng.uniform(0.0, 0.4) * nominal
+    latency, fastest = rng.uniform(0.0, 0.01), rng.uniform(0.0, 0.02)
+    lag = float(rng.choice((0.0, 0.01, 0.03)))
+    period = 1.2 * nominal + jitter
+    travel = Travel(period, latency + fastest + jitter, lag)
+    time, sent, arrivals = 0.0, [], []
+    for count in range(30):
+        dt = nominal * rng.uniform(0.8, 1.2) * (1 if rng.random() < 0.9 else 3)
+        in_flight = travel.advance(dt if count else 0.0).copy()
+        time += dt if count else 0.0
+        if count % 5 == 4:
+            expected = still_to_come(
+                [*sent, (time, np.zeros(6))],
+                [*arrivals, time + fastest + jitter],
+                time,
+                period,
+                time - latency,
+                lag,
+            )
+            slack = 6 * STEP * np.max(np.abs([v for _, v in sent]))  # of the integration, a step per switch
+            assert np.all(in_flight >= expected - slack), (seed, count, in_flight - expected)
+        twist = rng.normal(size=6) * (rng.random() < 0.8)
+        travel.command(twist)
+        sent.append((time, twist))
+        lost = 0 < count and rng.random() < 0.1
+        arrivals.append(math.inf if lost else time + fastest + jitter * rng.random())
+
+
+@pytest.mark.parametrize(
+    ("dt", "period", "delay", "lag"), [(0.01, 0.02, 0.02, 0.02), (0.001, 0.0012, 0.03, 0.0)]
+)
+def test_a_steady_command_is_counted_exactly(dt: float, period: float, delay: float, lag: float) -> None:
+    travel = Travel(period, delay, lag)
+    twist = np.array((0.1, -0.2, 0.0, 0.3, 0.0, -0.4))
+    for _ in range(2000):
+        travel.advance(dt)
+        travel.command(twist)
+    expected = np.concatenate((np.maximum(-twist, 0), np.maximum(twist, 0))) * (delay + lag)
+    assert travel.advance(dt) == pytest.approx(expected, rel=1e-6)
+
+
+def test_senses_are_never_netted() -> None:
+    travel = Travel(0.01, 0.05, 0.0)
+    for sign in (1, -1, 1, -1):
+        travel.advance(0.01)
+        travel.command(np.full(6, 0.1 * sign))
+    in_flight = travel.advance(0.01)
+    assert np.all(in_flight >= 0.1 * 0.02 - 1e-12)
+
+
+def test_it_ends_after_delay_and_lag() -> None:
+    travel = Travel(0.01, 0.02, 0.005)
+    travel.advance(0.0)
+    travel.command(np.ones(6))
+    assert np.all(travel.advance(0.01)[6:] >= 0.01 - 1e-12)
+    travel.command(np.zeros(6))
+    for _ in range(20):
+        travel.advance(0.01)
+        travel.command(np.zeros(6))
+    assert np.all(travel.advance(0.01) < 1e-12)
+
+
+def test_a_command_acts_no_longer_than_the_period_however_long_the_pause() -> None:
+    travel = Travel(0.01, 0.5, 0.0)
+    travel.advance(0.0)
+    travel.command(np.ones(6))
+    assert travel.advance(0.4)[6:] == pytest.approx(np.full(6, 0.01))
+
+
+def test_many_commands_in_a_short_time_are_bounded_and_not_forgotten() -> None:
+    travel = Travel(0.2, 0.1, 0.0)
+    for _ in range(5000):
+        travel.advance(1e-5)
+        travel.command(np.full(6, 0.5))
+    assert np.all(travel.in_flight[6:] >= 0.5 * 0.05 - 1e-9)
+
+
+def test_no_time_no_change() -> None:
+    travel = Travel(0.01, 0.02, 0.01)
+    travel.advance(0.0)
+    travel.command(np.ones(6))
+    before = travel.advance(0.005).copy()
+    assert travel.advance(0.0) == pytest.approx(before)
