@@ -109,7 +109,8 @@ def _one_line(problem: ValidationError, cls: type[Parameters]) -> str:
     first = problem.errors()[0]
     if first["type"] == "value_error":
         return first["msg"].removeprefix("Value error, ")
-    where = ".".join(str(part) for part in first["loc"])
+    # A name may come from anybody, as long and as oddly spelt as he likes.
+    where = " ".join(".".join(str(part) for part in first["loc"]).split())[:60]
     if first["type"] == "extra_forbidden":
         return f"{where} is no parameter; there are {', '.join(cls.model_fields)}"
     given = repr(first.get("input"))
