@@ -1,0 +1,126 @@
+"""Simulated time, the bus inside one process, and stacks of services on it: deterministic to the bit."""
+
+from __future__ import annotations
+
+import msgpack
+import pytest
+
+from shared.bus import NoReply
+from shared.bus_local import LocalBus, Scheduler
+from shared.stack import Stack
+from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, STATE_EE, WRENCH_EXTERNAL
+from tests.shared.rig import Recorder, Source, target, tool, wrench
+
+
+def test_actions_run_in_the_order_of_their_times_and_ties_as_asked() -> None:
+    scheduler = Scheduler()
+    ran: list[tuple[str, int]] = []
+
+    def note(name: str):
+        return lambda: ran.append((name, scheduler.clock.now_ns()))
+
+    scheduler.at(30, note("c"))
+    scheduler.at(10, note("a"))
+    scheduler.at(10, note("b"))
+    scheduler.at(10, lambda: scheduler.soon(note("soon")))
+    scheduler.run_until(20)
+    assert ran == [("a", 10), ("b", 10), ("soon", 10)]
+    assert scheduler.clock.now_ns() == 20
+    scheduler.at(5, note("past"))
+    scheduler.run_until(40)
+    assert ran[3:] == [("past", 20), ("c", 30)]
+    assert scheduler.clock.now_ns() == 40
+
+
+def test_running_stops_as_soon_as_it_is_done() -> None:
+    scheduler = Scheduler()
+    ran: list[int] = []
+    for time in (1, 2, 3):
+        scheduler.at(time, lambda time=time: ran.append(time))
+    scheduler.run_until(10, done=lambda: len(ran) == 2)
+    assert ran == [1, 2] and scheduler.clock.now_ns() == 2
+
+
+def test_payloads_arrive_after_the_latency_in_order_at_every_subscriber() -> None:
+    scheduler = Scheduler()
+    bus = LocalBus(scheduler, latency=0.004)
+    got: list[tuple[str, bytes, int]] = []
+    for name in ("x", "y"):
+        bus.subscribe("a/b", lambda payload, name=name: got.append((name, payload, scheduler.clock.now_ns())))
+    bus.publish("a/b", b"1")
+    bus.publish("a/b", b"2")
+    bus.publish("a/c", b"3")
+    assert not got
+    scheduler.run_until(10**7)
+    due = 4_000_000
+    assert got == [("x", b"1", due), ("y", b"1", due), ("x", b"2", due), ("y", b"2", due)]
+
+
+def test_a_query_that_is_answered_later_takes_its_time_and_no_more() -> None:
+    scheduler = Scheduler()
+    bus = LocalBus(scheduler)
+    bus.serve("q", lambda payload, reply: scheduler.at(500_000_000, lambda: reply(payload * 2)))
+    assert bus.query("q", b"ab", timeout=1.0) == b"abab"
+    assert scheduler.clock.now_ns() == 500_000_000
+    with pytest.raises(NoReply):
+        bus.query("nobody", b"", timeout=1.0)
+    bus.serve("mute", lambda payload, reply: None)
+    with pytest.raises(NoReply, match="within 2 s"):
+        bus.query("mute", b"", timeout=2.0)
+    assert scheduler.clock.now_ns() == 2_500_000_000
+
+
+def test_closing_forgets_everybody() -> None:
+    bus = LocalBus(Scheduler())
+    bus.alive("wrench")
+    bus.serve("q", lambda payload, reply: reply(b""))
+    bus.close()
+    assert bus.living() == set()
+    assert not bus.query_later("q", b"", lambda reply: None)
+
+
+def record(seconds: float, latency: float) -> list[tuple[int, str, dict]]:
+    """Everything that two services and two sources say, without what is drawn per process start."""
+    stack = Stack(latency)
+    log: list[tuple[int, str, dict]] = []
+
+    def tap(key: str) -> None:
+        def note(payload: bytes) -> None:
+            data = msgpack.unpackb(payload)
+            del data["session"]
+            log.append((stack.scheduler.clock.now_ns(), key, data))
+
+        stack.bus.subscribe(key, note)
+
+    for key in (COMMAND_EE_TWIST.key, "health/one", "health/two", CONTROL_TARGET.key):
+        tap(key)
+    stack.add(Recorder(name="one"))
+    stack.add(
+        Recorder(
+            name="two", driver=0.007, required=(STATE_EE,), optional=(SENSOR_FT,), queries=(), parameters=None
+        )
+    )
+    Source(stack.scheduler, stack.bus, WRENCH_EXTERNAL, wrench)
+    Source(stack.scheduler, stack.bus, STATE_EE, tool, 0.004)
+    stack.run(seconds / 2)
+    stack.client.publish(CONTROL_TARGET, target())
+    stack.run(seconds / 2)
+    return log
+
+
+@pytest.mark.parametrize("latency", [0.0, 0.003])
+def test_two_runs_are_the_same_to_the_bit(latency: float) -> None:
+    first, second = record(2.0, latency), record(2.0, latency)
+    assert len(first) > 300
+    assert first == second
+
+
+def test_time_in_a_stack_passes_as_asked() -> None:
+    stack = Stack()
+    service = Recorder(driver=0.01, required=(), optional=())
+    stack.add(service)
+    stack.run(1.0)
+    assert stack.now == pytest.approx(1.0)
+    assert len(service.steps) == 100
+    stack.run(5.0, done=lambda: len(service.steps) == 150)
+    assert stack.now == pytest.approx(1.5)
