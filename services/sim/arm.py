@@ -25,9 +25,9 @@ TORSO_MARGIN, ARM_MARGIN = 0.003, 0.01
 DRIVE_LAG = 0.015
 """Time constant [s] of the drives: the tool's twist follows the commanded one as a first-order lag."""
 AT_REST = 1e-5
-"""Rest of a twist [m/s, rad/s] that counts as none, so that the arm comes to rest in finite time."""
-IK_PERIOD = 0.005
-"""Longest time [s] for which joint velocities are used before they are computed anew."""
+"""Joint speed [m/s, rad/s] that counts as none, so that the arm comes to rest in finite time."""
+IK_PERIOD = 0.01
+"""Time [s] after which an unchanged twist is resolved into joint velocities anew, because the arm has moved."""
 
 
 class Arm:
@@ -38,7 +38,6 @@ class Arm:
 
     Attributes:
         tool_position: (3,) [m] in base.
-        tool_rotation: (3, 3) in base.
         tool_twist: (6,) [m/s, rad/s], base axes.
         limited_by: why the last twist was not executed in full, or "".
     """
@@ -51,7 +50,7 @@ class Arm:
         margin = np.array([TORSO_MARGIN] + [ARM_MARGIN] * (len(CHAIN) - 1))
         self._ik = DifferentialIK(model.lower, model.upper, model.speed, margin, CHAIN, weight)
         model.update(model.home)
-        self._follow = 1.0 - math.exp(-step / DRIVE_LAG)
+        self._response = 1.0 - math.exp(-step / DRIVE_LAG)
         self._ik_steps = max(1, round(IK_PERIOD / step))
         self._torso_share = (model.home[0] - TORSO_BOTTOM) / (model.tool()[0][2] - LOWEST_TOOL)
         self.reset()
@@ -60,49 +59,54 @@ class Arm:
         """Back to the start, at rest."""
         self.physics.reset()
         self._set_point = self.kinematics.home.copy()
-        self._holding = True
-        self._twist = np.zeros(6)
-        self._joint_velocity = np.zeros(len(CHAIN))
+        self._was_moving = False
+        self._wanted = np.zeros(len(CHAIN))
+        self._velocity = np.zeros(len(CHAIN))
+        self._solved_for = np.zeros(6)
         self._steps_to_ik = 0
         self.limited_by = ""
         self._observe()
 
-    def advance(self, wanted: Array, force: list[float], torque: list[float] | None) -> None:
+    def advance(self, twist: Array, force: list[float], torque: list[float] | None) -> None:
         """One physics step with the gate's twist (6,) and the environment's force [N] and torque [Nm] at the tool."""
-        velocity = self._velocity(wanted)
-        if velocity is not None:
-            self._set_point += velocity * self.physics.step_time
-        bounded = self._bound()
-        if velocity is not None or bounded or not self._holding:
-            self.physics.drive(self._set_point, np.zeros(len(CHAIN)) if velocity is None else velocity)
-            self._holding = velocity is None
+        moving = self._follow(twist)
+        if moving:
+            self._set_point += self._velocity * self.physics.step_time
+        if self._bound() or moving or self._was_moving:
+            self.physics.drive(self._set_point, self._velocity)
+        self._was_moving = moving
         if torque is not None or any(force):
             self.physics.push(force, torque, self.tool_position.tolist())
         self.physics.step()
         self._observe()
 
-    def _velocity(self, wanted: Array) -> Array | None:
-        """Joint velocities (8,) that the drives follow now; None at rest."""
-        if not self._twist.any() and not wanted.any():
-            return None
-        self._twist += self._follow * (wanted - self._twist)
-        if not wanted.any() and np.abs(self._twist).max() < AT_REST:
-            self._twist = np.zeros(6)
-            return None
-        if self._steps_to_ik == 0:
-            self._joint_velocity = self._solve()
-            self._steps_to_ik = self._ik_steps
-        self._steps_to_ik -= 1
-        return self._joint_velocity
+    def _follow(self, twist: Array) -> bool:
+        """Let the drives follow a twist; false once they are at rest."""
+        if twist.any():
+            self._steps_to_ik -= 1
+            if self._steps_to_ik <= 0 or (twist != self._solved_for).any():
+                self._wanted = self._solve(twist)
+                self._solved_for = twist
+                self._steps_to_ik = self._ik_steps
+        elif self._was_moving:
+            self._wanted = np.zeros(len(CHAIN))
+            self._steps_to_ik = 0
+            if np.abs(self._velocity).max() < AT_REST:
+                self._velocity = self._wanted
+                return False
+        else:
+            return False
+        self._velocity = self._velocity + self._response * (self._wanted - self._velocity)
+        return True
 
-    def _solve(self) -> Array:
+    def _solve(self, twist: Array) -> Array:
         reference = self.kinematics.home.copy()
         torso = TORSO_BOTTOM + self._torso_share * (self.tool_position[2] - LOWEST_TOOL)
         reference[0] = min(max(torso, TORSO_BOTTOM), self.kinematics.home[0])
         lead = np.zeros(len(CHAIN))
         if reference[0] == torso:
-            lead[0] = self._torso_share * self._twist[2]
-        solution = self._ik.solve(self._set_point, self._jacobian, self._twist, reference, lead)
+            lead[0] = self._torso_share * twist[2]
+        solution = self._ik.solve(self._set_point, self._jacobian, twist, reference, lead)
         self.limited_by = solution.limited_by
         return solution.velocity
 
@@ -117,6 +121,6 @@ class Arm:
 
     def _observe(self) -> None:
         self.kinematics.update(self.physics.position)
-        self.tool_position, self.tool_rotation = self.kinematics.tool()
+        self.tool_position: Array = self.kinematics.tool_position()
         self._jacobian = self.kinematics.jacobian()
         self.tool_twist: Array = self._jacobian @ self.physics.velocity

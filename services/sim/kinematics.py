@@ -95,6 +95,10 @@ class Kinematics:
         pose = self._data.oMf[self._tool]
         return pose.translation.copy(), pose.rotation.copy()
 
+    def tool_position(self) -> Array:
+        """Position (3,) [m] of the tool in base."""
+        return self._data.oMf[self._tool].translation.copy()
+
     def sensor(self) -> tuple[Array, Array]:
         """Position (3,) [m] and rotation (3, 3) of the force-torque sensor in base."""
         pose = pin.updateFramePlacement(self._model, self._data, self._sensor)
