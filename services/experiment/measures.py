@@ -33,7 +33,7 @@ class Measures:
     lowering_time: float  # from the heavier bag to the ground
     drop: float  # how far the tool went down for it
     peak_speed: float  # largest downward speed on the way [m/s]
-    load_swing: float  # standard deviation of force z on the way, once the whole bag hangs
+    load_swing: float  # half the range that holds the load for 80 % of the way down
     reversals: int  # turn-rounds on the way that are larger than REVERSAL
     bag_height: float  # mean height of the bag over the last seconds before it is taken off
     lift: float  # how far the bag was lifted off the ground again, at most
@@ -85,7 +85,9 @@ def measure(recording: Recording) -> Measures:
         lowering_time=landing - heavy,
         drop=float(rest[2] - np.min(height[way], initial=rest[2])),
         peak_speed=float(-np.min(_speed(time, height)[way], initial=0.0)),
-        load_swing=float(np.std(load[hanging])) if hanging.any() else float("nan"),
+        load_swing=float(np.ptp(np.percentile(load[hanging], (10, 90)))) / 2
+        if hanging.any()
+        else float("nan"),
         reversals=reversals(height[way], REVERSAL),
         bag_height=float(np.mean(bag_height[_within(bag_time, unload - SETTLED, unload)])),
         lift=float(np.max(bag_height[landed])) if landed.any() else float("nan"),
