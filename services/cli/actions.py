@@ -9,6 +9,8 @@ import numpy as np
 import typer
 
 from services.cli.ask import ask
+from services.cli.diagnose import control_line
+from services.cli.interrupt import stop_event
 from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.refusal import refuse
 from shared import topics
@@ -88,17 +90,20 @@ def hold(
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
-    """Have the robot hold a pose within limits, until Ctrl-C (the last target then stays in force)."""
+    """Have the robot hold a pose within limits, until Ctrl-C (the last target then stays in force). Tare first."""
     target = make_target(pose, limits("--force-limit", force_limit), limits("--torque-limit", torque_limit))
     with open_bus(robot, connect) as bus:
         client = Client(bus)
+        status = client.watch(topics.CONTROL_STATUS)
         typer.echo(f"holding {pose} with {force_limit} N, {torque_limit} Nm (Ctrl-C ends this command)")
-        try:
-            while True:
-                client.publish(topics.CONTROL_TARGET, target)
-                time.sleep(REPEAT)
-        except KeyboardInterrupt:
-            typer.echo("the last target stays in force")
+        end, shown = stop_event(), ""
+        while not end.wait(REPEAT):
+            client.publish(topics.CONTROL_TARGET, target)
+            line = control_line(status.latest.message if status.latest else None)[0]
+            if line.split(":")[0] != shown:
+                shown = line.split(":")[0]
+                typer.echo(f"controller: {line}")
+    typer.echo("the last target stays in force")
 
 
 def load(

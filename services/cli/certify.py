@@ -4,15 +4,78 @@ from __future__ import annotations
 
 import os
 import sys
+import time
+from collections.abc import Iterable
+from typing import Annotated
 
 import typer
 
 from services.cli.children import command
+from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot
+from services.cli.param import shown
+from shared import topics
+from shared.bus import NoReply
+from shared.bus_zenoh import BusError, ZenohBus
+from shared.client import Client
+from shared.parameters import Refused
 
-CONTEXT = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
+CONTEXT = {"allow_extra_args": True, "ignore_unknown_options": True}
+FOUND_WITHIN = 1.0  # [s]
 
 
-def certify(context: typer.Context) -> None:
-    """Certified speeds, worst excess and what limits them; options as of python -m services.controller.certify."""
+def certify(
+    context: typer.Context,
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+    offline: Annotated[
+        bool, typer.Option("--offline", help="Do not ask a running controller; use --config, --set.")
+    ] = False,
+) -> None:
+    """Certified speeds, worst excess and what limits them, for the running controller or for given options.
+
+    Further options are those of python -m services.controller.certify: --config, --set, --force-limit,
+    --torque-limit, --force-error, --torque-error, --environment-speed, --json.
+    """
+    given = list(context.args)
+    chosen = any(argument.startswith(("--config", "--set")) for argument in given)
+    present = [] if offline or chosen else _present(robot, connect)
+    if present:
+        typer.echo(f"for the controller that runs as {robot} on {connect}", err=True)
+    elif not (offline or chosen):
+        typer.echo(f"no controller answers as {robot} on {connect}: for the default parameters", err=True)
     sys.stdout.flush()
-    os.execv(sys.executable, command("controller.certify", context.args))
+    os.execv(sys.executable, command("controller.certify", [*present, *given]))
+
+
+def _present(robot: str, connect: str) -> list[str]:
+    """Options that describe the running controller: its parameters, target and error bound; none if there is none."""
+    deadline = time.monotonic() + FOUND_WITHIN
+    try:
+        bus = ZenohBus(robot, connect, give_up=lambda: time.monotonic() > deadline)
+    except BusError:
+        return []
+    try:
+        client = Client(bus)
+        target, wrench = client.watch(topics.CONTROL_TARGET), client.watch(topics.WRENCH_EXTERNAL)
+        parameters = client.ask(topics.CONTROL_PARAMETERS, {}, FOUND_WITHIN)["parameters"]
+        options = []
+        for name, row in parameters.items():
+            value = row["value"]
+            options += ["--set", f'{name}="{value}"' if isinstance(value, str) else f"{name}={shown(value)}"]
+        while (target.latest is None or wrench.latest is None) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        if target.latest is not None:
+            options += ["--force-limit", _three(target.latest.message.force_limit)]
+            options += ["--torque-limit", _three(target.latest.message.torque_limit)]
+        if wrench.latest is not None:
+            bound = wrench.latest.message.error_bound
+            options += ["--force-error", _three(bound[:3]), "--torque-error", _three(bound[3:])]
+        return options
+    except (NoReply, Refused):
+        return []
+    finally:
+        bus.close()
+
+
+def _three(values: Iterable[float]) -> str:
+    return ",".join(f"{value:g}" for value in values)

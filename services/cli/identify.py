@@ -31,8 +31,8 @@ ARRIVED = 0.15  # [rad]: the pose itself does not matter, only that the orientat
 
 def identify(
     angle: Annotated[float, typer.Option(min=0.1, max=1.2, help="How far to tilt the tool [rad].")] = 0.6,
-    force_limit: Annotated[str, typer.Option(help="Force limit on the way [N].")] = "25",
-    torque_limit: Annotated[str, typer.Option(help="Torque limit on the way [Nm].")] = "10",
+    force_limit: Annotated[str, typer.Option(help="Force limit on the way [N].")] = "60",
+    torque_limit: Annotated[str, typer.Option(help="Torque limit on the way [Nm].")] = "15",
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before moving.")] = False,
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,

@@ -15,12 +15,13 @@ from rich.console import Console
 
 from services.cli.children import Child, Children, command
 from services.cli.claims import claims_table
+from services.cli.interrupt import stop_event
 from services.cli.lane import Lane
 from services.cli.options import DEFAULT_ROBOT, Robot
 from services.cli.plan import DEFAULT_ENDPOINT, ROUTER, Plan, check_port, to_toml
 from services.cli.progress import Progress
 from services.cli.refusal import refuse
-from services.cli.up import Router, stop_event
+from services.cli.up import Router
 
 POLL = 0.1  # [s]
 INTERRUPTED = 130

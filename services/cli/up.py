@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import sys
 import threading
 import time
@@ -18,6 +17,7 @@ from rich.live import Live
 from services.cli import diagnose
 from services.cli.children import Child, Children, command
 from services.cli.diagnose import Row
+from services.cli.interrupt import stop_event
 from services.cli.options import DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.plan import (
     DEFAULT_ENDPOINT,
@@ -101,14 +101,6 @@ def start(
     typer.echo(f"starting: python -m services.{service} {' '.join(arguments)}", err=True)
     sys.stdout.flush()
     os.execv(sys.executable, command(service, arguments))
-
-
-def stop_event() -> threading.Event:
-    """An event that Ctrl-C and SIGTERM set."""
-    event = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda *_: event.set())
-    return event
 
 
 def _show(stack: Stack, watch: Watch, stop: threading.Event) -> None:

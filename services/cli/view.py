@@ -25,14 +25,13 @@ SHOWN_RATES: tuple[Topic, ...] = (
 
 
 def services_table(rows: list[Row], processes: Mapping[str, Child]) -> Table:
-    """One line per service: process, health, loop, and what to know."""
+    """One line per service: process, health, loop."""
     table = Table(box=None, pad_edge=False, header_style="bold", expand=False)
     table.add_column("service")
     if processes:
         table.add_column("process")
     for name in ("state", "loop", "p50", "p99", "overruns"):
         table.add_column(name, justify="left" if name == "state" else "right")
-    table.add_column("", overflow="fold")
     for row in rows:
         child = processes.get(row.service)
         cells = [Text(row.service, style="bold")]
@@ -51,9 +50,13 @@ def services_table(rows: list[Row], processes: Mapping[str, Child]) -> Table:
                 Text(f"{health.loop_p99_us:.0f} µs"),
                 Text(str(health.overruns)),
             ]
-        cells.append(Text(row.detail, style="" if row.ok else "red"))
         table.add_row(*cells)
     return table
+
+
+def details(rows: list[Row]) -> list[Text]:
+    """What there is to know about services, a line each, below the table where it has the whole width."""
+    return [Text(f"{row.service}: {row.detail}", style="" if row.ok else "red") for row in rows if row.detail]
 
 
 def _process(child: Child | None) -> Text:
@@ -91,6 +94,5 @@ def _load(wrench: ExternalWrench, status: ControlStatus | None) -> str:
 
 def stack_view(rows: list[Row], watch: Watch, processes: Mapping[str, Child], head: str) -> RenderableType:
     """Everything that `tandem up` shows."""
-    return Group(
-        Text(head, style="bold"), Text(""), services_table(rows, processes), Text(""), *summary(watch)
-    )
+    table = services_table(rows, processes)
+    return Group(Text(head, style="bold"), Text(""), table, *details(rows), Text(""), *summary(watch))
