@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from shared.spatial import Array
 
 SATURATED = "saturated"
@@ -11,20 +13,23 @@ INVALID = "invalid"
 
 RESOLUTION = 1e-9
 """Difference [N, Nm] up to which two readings are the same. A living sensor's noise is far above, rounding below."""
-FEWEST_REPEATS = 3
-"""A reading may repeat by chance (quantisation); this often in a row it does not."""
+FEWEST_REPEATS = 2
+"""A living sensor repeats a value by chance if its steps are coarse; at 30 Hz no more than this fits into 0.1 s."""
+PERIODS_AHEAD = 2.5
+"""The value froze up to one period before its first sample; the next sample comes a period later, with jitter."""
 
 
 class SensorWatch:
     """Tells a living sensor from one that is stuck or saturated.
 
     An axis is stuck if it repeats one value for ``stuck_after``: the noise of a living sensor changes each reading. It
-    is reported with the last sample that falls within that time, and until every axis has lived for as long again. A
-    saturated axis repeats its end value too, so saturation, which the robot process declares, is asked first.
+    is reported in time for that, and until every axis has lived for as long again. A sensor whose steps are coarser
+    than its noise needs a longer ``stuck_after``. A saturated axis repeats its end value too, so saturation, which the
+    robot process declares, is asked first.
     """
 
     def __init__(self) -> None:
-        self._anchor: list[float] = []
+        self._anchor = [math.nan] * 6
         self._held = [0.0] * 6
         self._repeats = [0] * 6
         self._recovery = 0.0
@@ -40,17 +45,18 @@ class SensorWatch:
         """
         stuck = False
         values = reading.tolist()
-        anchor = self._anchor = self._anchor or values.copy()
+        anchor = self._anchor
         for axis, value in enumerate(values):
-            if abs(value - anchor[axis]) > RESOLUTION:
+            if not abs(value - anchor[axis]) <= RESOLUTION:  # true for the first reading, whose anchor is NaN
                 anchor[axis] = value
                 self._held[axis] = 0.0
                 self._repeats[axis] = 0
             else:
                 self._held[axis] += dt
                 self._repeats[axis] += 1
-                # With the next reading, dt later, it would be too late.
-                stuck |= self._held[axis] + dt > stuck_after and self._repeats[axis] >= FEWEST_REPEATS
+                # Waiting for the next reading could be too late.
+                in_time = self._held[axis] + PERIODS_AHEAD * dt > stuck_after
+                stuck |= in_time and self._repeats[axis] >= FEWEST_REPEATS
         if saturated:
             return SATURATED
         self._recovery = stuck_after if stuck else max(0.0, self._recovery - dt)

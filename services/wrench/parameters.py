@@ -48,7 +48,7 @@ class WrenchParameters(Parameters):
         unit="s",
         minimum=0.02,
         maximum=1.0,
-        doc="time within which an axis that repeats one value is reported as stuck",
+        doc="time within which an axis that repeats one value is reported as stuck; raise it for a coarse sensor",
     )
     max_delay: float = parameter(
         0.02,
