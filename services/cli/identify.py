@@ -84,7 +84,8 @@ def _go(client: Client, inlet: Inlet[EndEffector], target: ControlTarget) -> Non
         time.sleep(REPEAT)
         assert inlet.latest is not None
         tool = inlet.latest.message
-        error = pose_error(tool.position, tool.orientation, target.position, target.orientation)
+        stands, wanted = rotation_matrix(tool.orientation), rotation_matrix(target.orientation)
+        error = pose_error(tool.position, stands, target.position, wanted)
         moving = max(np.linalg.norm(tool.linear), np.linalg.norm(tool.angular)) > STILL
         if moving or np.linalg.norm(error[3:]) > ARRIVED:
             still_since = None
