@@ -1,0 +1,179 @@
+"""The bus over a real router in a process of its own."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from shared.bus import NoReply, Reply
+from shared.bus_zenoh import BusError, ZenohBus
+from shared.codec import MAP_CAP
+from tests.conftest import Router, StartProcess
+from tests.support.ports import free_endpoint
+from tests.support.wait import eventually, throughout
+
+
+class Pair:
+    """Two participants of one router; what the second hears under ``stop``."""
+
+    def __init__(self, endpoint: str) -> None:
+        self.one, self.two = ZenohBus(connect=endpoint), ZenohBus(connect=endpoint)
+        self.heard: list[bytes] = []
+        self.two.subscribe("stop", self.heard.append)
+
+    def through(self) -> bool:
+        """Whether payloads pass at present; sends one more each time it is asked."""
+        self.one.publish("stop", b"probe")
+        return b"probe" in self.heard
+
+    def close(self) -> None:
+        self.one.close()
+        self.two.close()
+
+
+@pytest.fixture
+def pair(shared_router: Router) -> Iterator[Pair]:
+    pair = Pair(shared_router.endpoint)
+    eventually(pair.through, message="the first payload through the router")
+    yield pair
+    pair.close()
+
+
+def test_payloads_arrive_whole_and_in_order(pair: Pair) -> None:
+    pair.heard.clear()
+    payloads = [bytes([number]) * (1 + 7 * number) for number in range(200)]
+    for payload in payloads:
+        pair.one.publish("stop", payload)
+    eventually(lambda: pair.heard[-1:] == payloads[-1:], message="the last payload")
+    arrived = [payload for payload in pair.heard if payload != b"probe"]
+    assert arrived == [
+        payload for payload in payloads if payload in arrived
+    ]  # dropped at most, never reordered
+
+
+@pytest.mark.parametrize("size", [0, 1_000_000, 4 * 1024 * 1024])
+def test_large_payloads_pass(pair: Pair, size: int) -> None:
+    eventually(lambda: pair.one.publish("stop", bytes(size)) or bytes(size) in pair.heard)
+
+
+def test_a_payload_beyond_every_size_is_lost_and_the_next_ones_pass(pair: Pair) -> None:
+    pair.one.publish("stop", bytes(20_000_000))
+    pair.heard.clear()
+    eventually(pair.through, message="a payload after the excessive one")
+    assert max(map(len, pair.heard)) < 100
+
+
+def test_two_robots_on_one_network_do_not_hear_each_other(pair: Pair, shared_router: Router) -> None:
+    other = ZenohBus(robot="reem", connect=shared_router.endpoint)
+    heard: list[bytes] = []
+    other.subscribe("stop", heard.append)
+    other.alive("wrench")
+    try:
+        eventually(lambda: other.publish("stop", b"mine") or b"mine" in heard)
+        pair.one.publish("stop", b"last")
+        eventually(lambda: b"last" in pair.heard)
+        assert b"mine" not in pair.heard and b"probe" not in heard
+        assert pair.one.living() == set() and other.living() == {"wrench"}
+    finally:
+        other.close()
+
+
+def test_queries_are_answered_at_once_or_later_from_any_thread(pair: Pair) -> None:
+    pair.two.serve("wrench/tare", lambda request, reply: reply(request * 2))
+    pair.two.serve(
+        "task/command", lambda request, reply: threading.Thread(target=reply, args=(b"late",)).start()
+    )
+    assert eventually(lambda: _answer(pair.one, "wrench/tare", b"ab")) == b"abab"
+    assert eventually(lambda: _answer(pair.one, "task/command", b"")) == b"late"
+
+
+def _answer(bus: ZenohBus, key: str, request: bytes) -> bytes | None:
+    try:
+        return bus.query(key, request, timeout=2.0)
+    except NoReply:
+        return None
+
+
+def test_nobody_there_and_nobody_answering_are_no_reply(pair: Pair) -> None:
+    held: list[Reply] = []
+    pair.two.serve("wrench/tare", lambda request, reply: held.append(reply))
+    with pytest.raises(NoReply, match=r"tiago/base/parameters within 0.2 s"):
+        pair.one.query("base/parameters", b"", timeout=0.2)
+    with pytest.raises(NoReply):
+        pair.one.query("wrench/tare", b"", timeout=0.2)
+    eventually(lambda: held, message="the request at the server")
+    held[0](b"too late")  # the asker is gone: no harm
+    assert pair.through()
+
+
+def test_an_oversized_request_is_cut_before_it_is_looked_at(pair: Pair) -> None:
+    sizes: list[int] = []
+    pair.two.serve("wrench/tare", lambda request, reply: sizes.append(len(request)) or reply(b"ok"))
+    eventually(lambda: _answer(pair.one, "wrench/tare", bytes(1_000_000)) == b"ok")
+    assert sizes[0] == MAP_CAP + 1
+
+
+def test_payloads_pass_again_soon_after_the_router_was_killed_and_restarted(
+    router: Router, start: StartProcess
+) -> None:
+    pair = Pair(router.endpoint)
+    try:
+        pair.two.serve("wrench/tare", lambda request, reply: reply(b"here"))
+        pair.two.alive("wrench")
+        eventually(pair.through)
+        router.process.signal(signal.SIGKILL)
+        router.process.wait()
+        eventually(lambda: not pair.one.connected(), message="the loss of the router noticed")
+        pair.heard.clear()
+        for _ in range(100):
+            pair.one.publish("stop", b"lost")  # neither blocks nor raises
+        assert pair.one.living() == set()
+        with pytest.raises(NoReply):
+            pair.one.query("wrench/tare", b"", timeout=0.5)
+        start("services.router", "--listen", router.endpoint).wait_for_output("listening")
+        eventually(pair.through, 15.0, "payloads through the new router")
+        assert b"lost" not in pair.heard
+        eventually(lambda: _answer(pair.one, "wrench/tare", b"") == b"here", 15.0, "queries")
+        eventually(lambda: pair.one.living() == {"wrench"}, 15.0, "liveliness")
+    finally:
+        pair.close()
+
+
+def test_a_hung_router_holds_nobody_up_and_is_used_again_when_it_wakes(router: Router) -> None:
+    pair = Pair(router.endpoint)
+    try:
+        eventually(pair.through)
+        router.process.signal(signal.SIGSTOP)
+        published = threading.Event()
+
+        def publish() -> None:
+            for _ in range(2000):
+                pair.one.publish("stop", bytes(10_000))
+            published.set()
+
+        threading.Thread(target=publish, daemon=True).start()
+        eventually(published.is_set, 20.0, "20 MB published into a router that takes nothing")
+        router.process.signal(signal.SIGCONT)
+        pair.heard.clear()
+        eventually(pair.through, 20.0, "payloads after the router woke")
+    finally:
+        router.process.signal(signal.SIGCONT)
+        pair.close()
+
+
+def test_it_waits_for_a_router_and_gives_up_when_told(start: StartProcess) -> None:
+    endpoint = free_endpoint()
+    asked: list[int] = []
+    with pytest.raises(BusError, match=f"no router at {endpoint}"):
+        ZenohBus(connect=endpoint, give_up=lambda: asked.append(1) or len(asked) >= 2)
+    opened: list[ZenohBus] = []
+    waiting = threading.Thread(target=lambda: opened.append(ZenohBus(connect=endpoint)))
+    waiting.start()
+    throughout(lambda: not opened, 0.3, "no bus without a router")
+    start("services.router", "--listen", endpoint)
+    eventually(lambda: opened, 20.0, "the bus once there is a router")
+    waiting.join()
+    opened[0].close()
