@@ -14,7 +14,7 @@ from services.controller.parameters import ControllerParameters
 from shared.spatial import Array
 
 _SETTINGS: dict[str, tuple[type[Law], dict[str, Any]]] = {
-    "paper": (PaperLaw, {"law": "paper", "barrier_rate": (1.0, 1.0, 1.0, 10.0, 10.0, 10.0)}),
+    "paper": (PaperLaw, {"law": "paper"}),
     "stiffness": (StiffnessLaw, {"law": "stiffness"}),
     "certified": (CertifiedLaw, {}),
     "certified-rounded": (CertifiedLaw, {"yield_start": YIELD_START}),
@@ -57,9 +57,12 @@ class CaseLaw:
 def parameters(name: str, case: Case) -> ControllerParameters:
     """The controller's parameters for the law called ``name`` in ``LAWS``."""
     timing = case.timing
+    # The paper's alpha: 10 for the torques of its carrying task, 1 in its load experiment.
+    torque_rate = 10.0 if case.limit[3] < 1.0 else 1.0
     return ControllerParameters(
         **asdict(case.declared),
         **_SETTINGS[name][1],
+        barrier_rate=(1.0, 1.0, 1.0, torque_rate, torque_rate, torque_rate),
         period=timing.declared_period,
         delay=timing.declared_delay,
         lag=timing.declared_lag,
