@@ -16,10 +16,9 @@ from services.experiment.protocol import Run
 from services.experiment.recording import Recorder, Recording
 from services.experiment.sequence import Ask, LoadSequence, Seen
 from shared import topics
-from shared.bus import Bus
+from shared.bus import Bus, OnPayload
 from shared.clock import Clock, seconds
 from shared.faults import Fault
-from shared.inlet import Inlet, Received
 from shared.messages import ControlTarget, EndEffector, ExternalWrench
 from shared.parameters import Parameters, Refused
 from shared.service import Inputs, Output, Wiring
@@ -61,9 +60,8 @@ class LoadExperiment:
             force_limit=np.array(protocol.FORCE_LIMIT),
             torque_limit=np.array(protocol.TORQUE_LIMIT),
         )
-        self.inlets = [Inlet(topic, clock, self._listener(topic)) for topic in RECORDED]
-        for inlet in self.inlets:
-            bus.subscribe(inlet.topic.key, inlet.offer)
+        for topic in RECORDED:
+            bus.subscribe(topic.key, self._listener(topic))
 
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
         """Advances the sequence and repeats the target.
@@ -110,17 +108,13 @@ class LoadExperiment:
             "settings": run.settings,
             "force_limit": list(protocol.FORCE_LIMIT),
             "torque_limit": list(protocol.TORQUE_LIMIT),
-            "rejected": {inlet.topic.key: inlet.rejected for inlet in self.inlets if inlet.rejected},
             **meta,
         }
         start = self.sequence.start
         return self._recorder.finish(described, self.sequence.events, 0.0 if start is None else start)
 
-    def _listener(self, topic: Topic) -> Callable[[Received], None]:
-        def on_message(received: Received) -> None:
-            self._recorder.heard(topic.key, seconds(received.arrival_ns), received.message)
-
-        return on_message
+    def _listener(self, topic: Topic) -> OnPayload:
+        return lambda payload: self._recorder.heard(topic, self.now(), payload)
 
 
 def _seen(inputs: Inputs) -> Seen:

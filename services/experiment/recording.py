@@ -10,12 +10,14 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from shared.codec import Rejected, decode, decode_map
+from shared.topics import Topic, topic_by_key
 
 Columns = dict[str, np.ndarray]
 
@@ -108,60 +110,100 @@ class Recording:
 
 
 class Recorder:
-    """Collects messages as they arrive; `finish` turns them into arrays. Its cost per message is one list append."""
+    """Keeps payloads as they arrive, at the cost of one list append each; `finish` turns them into arrays."""
 
     def __init__(self) -> None:
         """Starts empty."""
-        self._rows: dict[str, list[tuple[float, Any]]] = {}
+        self._heard: dict[str, list[tuple[float, bytes]]] = {}
 
-    def heard(self, key: str, time: float, message: Any) -> None:
-        """Takes a message (a dataclass) that arrived at `time` [s]."""
-        self._rows.setdefault(key, []).append((time, message))
+    def heard(self, topic: Topic, time: float, payload: bytes) -> None:
+        """Takes a payload of a topic that arrived at `time` [s]."""
+        self._heard.setdefault(topic.key, []).append((time, payload))
 
     def finish(self, meta: dict[str, Any], events: list[Event], start: float) -> Recording:
-        """Everything heard so far, with times and events counted from `start` [s]."""
-        topics = {}
-        for key, rows in sorted(self._rows.items()):
-            rows = list(rows)
-            columns = _columns([flatten(message) for _, message in rows])
-            if "time" in columns:
-                columns["message_time"] = columns.pop("time")
-            topics[key] = {"time": np.array([time for time, _ in rows]) - start, **columns}
+        """Everything heard so far, with times and events counted from `start` [s].
+
+        What is no message of its topic is left out and counted in `meta["rejected"]`.
+        """
+        topics: dict[str, Columns] = {}
+        rejected: dict[str, int] = {}
+        for key, heard in sorted((key, list(heard)) for key, heard in self._heard.items()):
+            topic = topic_by_key(key)
+            assert topic is not None
+            try:
+                columns = _table(topic, heard, start)
+            except (ValueError, TypeError):
+                # Some value has another shape than its column: only now is the full check of each message worth it.
+                columns = _table(
+                    topic, [(time, payload) for time, payload in heard if _sound(topic, payload)], start
+                )
+            if len(columns["time"]) < len(heard):
+                rejected[key] = len(heard) - len(columns["time"])
+            topics[key] = columns
         shifted = [Event(event.time - start, event.name, event.detail) for event in events]
-        return Recording(meta, shifted, topics)
+        return Recording(meta | {"rejected": rejected}, shifted, topics)
 
 
-def flatten(message: Any, prefix: str = "") -> dict[str, Any]:
-    """The fields of a message as one flat mapping: nested messages dotted, free mappings as JSON, absent parts None."""
+def _row(topic: Topic, payload: bytes) -> dict[str, Any] | None:
+    """The fields of one message as one flat mapping, or None if it is no message of the topic.
+
+    Images and other bytes are left out. The full check of every element is the readers' in the control loop; here the
+    shapes decide, since a column has one.
+    """
+    try:
+        data = decode_map(payload, topic.cap)
+    except Rejected:
+        return None
+    fields = {"valid": data.get("valid", MISSING)}
+    fields |= {name: data.get(name, default) for name, _, default in topic.message.kinds()}
+    if any(value is MISSING for value in fields.values()):
+        return None
+    return _flatten({name: value for name, value in fields.items() if not isinstance(value, bytes)})
+
+
+def _sound(topic: Topic, payload: bytes) -> bool:
+    try:
+        decode(topic.message, payload, topic.cap)
+    except Rejected:
+        return False
+    return True
+
+
+def _flatten(data: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Nested messages dotted; maps with free keys (an input's key has a slash) as JSON; absent parts None."""
     flat: dict[str, Any] = {}
-    for item in dataclasses.fields(message):
-        value = getattr(message, item.name)
-        name = prefix + item.name
-        if dataclasses.is_dataclass(value):
-            flat |= flatten(value, f"{name}.")
-        elif isinstance(value, Mapping):
-            flat[name] = json.dumps(value, default=_plain)
-        elif not isinstance(value, bytes):  # images belong in no table
-            flat[name] = value
+    for name, value in data.items():
+        if not isinstance(value, dict):
+            flat[prefix + name] = value
+        elif any("/" in key for key in value) or not value:
+            flat[prefix + name] = json.dumps(value)
+        else:
+            flat |= _flatten(value, f"{prefix}{name}.")
     return flat
 
 
-def _plain(value: Any) -> Any:
-    return flatten(value) if dataclasses.is_dataclass(value) else np.asarray(value).tolist()
+def _table(topic: Topic, heard: list[tuple[float, bytes]], start: float) -> Columns:
+    rows = [(time, flat) for time, payload in heard if (flat := _row(topic, payload)) is not None]
+    columns = _columns([flat for _, flat in rows])
+    if "time" in columns:
+        columns["message_time"] = columns.pop("time")
+    return {"time": np.array([time for time, _ in rows]) - start, **columns}
 
 
 def _columns(rows: list[dict[str, Any]]) -> Columns:
-    names = dict.fromkeys(name for row in rows for name in row)
     columns: Columns = {}
-    for name in names:
+    for name in dict.fromkeys(name for row in rows for name in row):
         values = [row.get(name) for row in rows]
         sample = next((value for value in values if value is not None), None)
         if sample is None:
             continue
+        if isinstance(sample, list) and sample and isinstance(sample[0], str):
+            columns[name] = np.array(
+                [sample]
+            )  # the joints' names repeat in every message; one row says it all
+            continue
         absent: Any = "" if isinstance(sample, str) else np.full(np.shape(sample), np.nan)
-        column = np.array([absent if value is None else value for value in values])
-        # The joints' names repeat in every message; one row of them says it all.
-        columns[name] = column[:1] if column.ndim == 2 and column.dtype.kind == "U" else column
+        columns[name] = np.array([absent if value is None else value for value in values])
     return columns
 
 

@@ -9,23 +9,44 @@ import numpy as np
 import pytest
 
 from services.experiment.recording import Event, Recorder, Recording
-from shared.messages import BagState, Health, InputHealth, JointState, SimWorld
+from shared import topics
+from shared.codec import decode_map, encode, encode_map
+from shared.fields import Record
+from shared.messages import BagState, Header, Health, InputHealth, JointState, SimWorld
 
 
-def world(time: float, bag: BagState | None) -> SimWorld:
-    return SimWorld(time, None, bag, None, np.zeros(3), False)
+def payload(message: Record, seq: int = 0) -> bytes:
+    return encode(message, Header(seq, 1, seq, True))
+
+
+def world(time: float, bag: BagState | None) -> bytes:
+    return payload(SimWorld(time, None, bag, None, np.zeros(3), False))
 
 
 @pytest.fixture
 def recording() -> Recording:
     recorder = Recorder()
-    recorder.heard("sim/world", 10.0, world(0.5, None))
-    recorder.heard("sim/world", 11.0, world(1.5, BagState(2.0, 0.25)))
+    recorder.heard(topics.SIM_WORLD, 10.0, world(0.5, None))
+    recorder.heard(topics.SIM_WORLD, 11.0, world(1.5, BagState(2.0, 0.25)))
     for time in (10.0, 10.5):
-        recorder.heard("state/joints", time, JointState(("a", "b"), (time, 2.0), (0.0, 0.0), (0.0, 0.0)))
+        joints = JointState(("a", "b"), np.array([time, 2.0]), np.zeros(2), np.zeros(2))
+        recorder.heard(topics.STATE_JOINTS, time, payload(joints))
     inputs = {"sensor/ft": InputHealth(0.01, 100.0, 0, True)}
-    recorder.heard("health/wrench", 10.2, Health("ok", "", 100.0, 1.0, 2.0, 0, inputs))
+    health = Health("ok", "", 100.0, 1.0, 2.0, 0, inputs)
+    recorder.heard(topics.health_topic("wrench"), 10.2, payload(health))
     return recorder.finish({"name": "run"}, [Event(10.25, "start"), Event(12.0, "end", "done")], start=10.0)
+
+
+def test_what_is_no_message_is_left_out_and_counted() -> None:
+    recorder = Recorder()
+    for garbage in (b"", b"\xc1", payload(BagState(1.0, 1.0))):
+        recorder.heard(topics.SIM_WORLD, 1.0, garbage)
+    ragged = encode_map(decode_map(world(0.0, None)) | {"contact_force": [1.0]})
+    recorder.heard(topics.SIM_WORLD, 1.5, ragged)
+    recorder.heard(topics.SIM_WORLD, 2.0, world(0.5, None))
+    recording = recorder.finish({}, [], start=0.0)
+    assert recording.meta["rejected"] == {"sim/world": 4}
+    assert recording.time("sim/world").tolist() == [2.0]
 
 
 def test_times_and_events_count_from_the_start_not_from_a_field_called_time(recording: Recording) -> None:
