@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-KEEPS_UP = 0.98
+KEEPS_UP = 0.95
 """Share of the wanted pace below which the simulation says that it cannot keep up."""
 
 

@@ -18,6 +18,13 @@ GRAVITY = 9.81
 """[m/s2]"""
 SOLVER_ITERATIONS = 15
 """With as many the motors give way by 3e-5 m at the tool under 28 N."""
+FRICTION = np.array([0.0] + [1.0] * (len(CHAIN) - 1))
+"""Friction of the gears [N, Nm]: it helps to hold a joint still, and is not part of the motor's effort."""
+SLIP_DAMPING = np.array((0.0, 10.0, 10.0, 8.0, 8.0, 4.0, 2.0, 0.3))
+"""Resistance [Nm s/rad] of the gears of a joint that is pushed away: it gives way slowly instead of collapsing. Towards
+the hand it is as much as an explicit damper on so little inertia may have."""
+SLIPPING = 2e-3
+"""Difference [m/s, rad/s] between a joint's speed and its set-point's above which it counts as pushed away."""
 POSITION_GAIN = 0.1
 """Share of a position error that a motor removes per step: 20 ms at 500 Hz."""
 
@@ -26,7 +33,7 @@ class Physics:
     """The arm in its own physics world.
 
     Each joint has a motor that follows a set-point with feed-forward of its velocity and gives at most the joint's
-    effort limit, as a real drive does.
+    effort limit, as a real drive does; the friction of its gears helps it to hold still.
 
     Attributes:
         position, velocity: of the chain's joints (8,) [m, rad, m/s, rad/s] after the last step.
@@ -40,7 +47,7 @@ class Physics:
     def __init__(self, home: Array, effort: Array, step: float) -> None:
         self.step_time = step
         self._home = home
-        self._forces = effort.tolist()
+        self._limit = effort
         self._client = pybullet.connect(pybullet.DIRECT)
         self._on = {"physicsClientId": self._client}
         pybullet.setGravity(0, 0, -GRAVITY, **self._on)
@@ -87,13 +94,15 @@ class Physics:
 
     def drive(self, position: Array, velocity: Array) -> None:
         """Set-points (8,) that the motors hold until the next call."""
+        self._target_velocity = velocity
+        forces = self._limit + FRICTION * (velocity == 0.0)
         pybullet.setJointMotorControlArray(
             self._body,
             self._joints,
             pybullet.POSITION_CONTROL,
             targetPositions=position.tolist(),
             targetVelocities=velocity.tolist(),
-            forces=self._forces,
+            forces=forces.tolist(),
             positionGains=self._gains[0],
             velocityGains=self._gains[1],
             **self._on,
@@ -109,6 +118,16 @@ class Physics:
         """Let one step of time pass."""
         pybullet.stepSimulation(**self._on)
         self._read()
+        slip = self.velocity - self._target_velocity
+        if np.abs(slip).max() > SLIPPING:
+            # Acts in the next step, in addition to the motors.
+            pybullet.setJointMotorControlArray(
+                self._body,
+                self._joints,
+                pybullet.TORQUE_CONTROL,
+                forces=(-SLIP_DAMPING * slip).tolist(),
+                **self._on,
+            )
 
     def _read(self) -> None:
         states = pybullet.getJointStates(self._body, self._joints, **self._on)
@@ -117,8 +136,8 @@ class Physics:
         self._states = states
 
     def effort(self) -> Array:
-        """Efforts (8,) [N, Nm] of the motors in the last step."""
-        return np.array([state[3] for state in self._states])
+        """Efforts (8,) [N, Nm] of the motors in the last step; what friction holds is not theirs."""
+        return np.clip([state[3] for state in self._states], -self._limit, self._limit)
 
     def wrist_wrench(self) -> Array:
         """Wrench (6,) [N, Nm] that everything beyond the sensor exerts on it: about its origin, in its axes.

@@ -23,7 +23,7 @@ def run(arm: Arm, twist: np.ndarray, duration: float, force: list[float] | None 
         arm.advance(twist, force or NONE, None)
 
 
-@pytest.mark.parametrize("force", [[0, 0, -20.0], [0, 0, -28.0], [10.0, 0.0, -20.0]])
+@pytest.mark.parametrize("force", [[0, 0, -20.0], [0, 0, -33.0], [30, 0, -20.0], [0, 20, 0], [0, -25, 0]])
 def test_a_load_moves_the_held_tool_by_less_than_a_millimetre(arm: Arm, force: list[float]) -> None:
     before = arm.tool_position
     run(arm, STILL, 2.0, force)
@@ -81,16 +81,18 @@ def test_at_the_end_of_its_reach_it_stops_and_says_why(arm: Arm) -> None:
     assert (arm.physics.position >= low - 1e-3).all() and (arm.physics.position <= high + 1e-3).all()
 
 
-def test_an_overload_pushes_it_away_and_it_does_not_spring_back(arm: Arm) -> None:
+@pytest.mark.parametrize("force", [[0, 30.0, 0], [0, 0, -60.0]])
+def test_an_overloaded_arm_gives_way_slowly_and_does_not_spring_back(arm: Arm, force: list[float]) -> None:
     before = arm.tool_position
-    run(arm, STILL, 0.6, [0, 0, -60.0])
+    run(arm, STILL, 0.3, force)
+    assert 0.005 < np.linalg.norm(arm.tool_position - before) < 0.1
+    assert np.abs(arm.physics.effort()).max() <= arm.kinematics.effort.max()
+    run(arm, STILL, 0.7, force)
     pushed = arm.tool_position
-    assert pushed[2] < before[2] - 0.02
-    assert np.abs(arm._set_point - arm.physics.position).max() < 2 * SLACK
+    assert np.abs(arm._set_point - arm.physics.position).max() < 1.1 * SLACK
     run(arm, STILL, 1.0)
-    # It coasts to a stop; brought back it would be more than a decimetre away.
-    assert np.linalg.norm(arm.tool_position - pushed) < 0.06
-    assert np.linalg.norm(arm.tool_position - before) > 0.1
+    assert np.linalg.norm(arm.tool_position - pushed) < 0.03
+    assert np.linalg.norm(arm.tool_position - before) > 0.03
 
 
 def test_reset_brings_it_home(arm: Arm) -> None:
