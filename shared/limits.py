@@ -15,6 +15,8 @@ from shared.spatial import Array
 
 LONGEST_TTL = 0.2
 """A command is never executed for longer than this [s], whatever ``ttl`` it asks for."""
+_INSTANT = 1e-9
+"""Less time [s] than this is none."""
 
 _LONGEST_REASON = 200
 """Characters kept of a stop's reason: it travels on in the robot's status, which has a largest size."""
@@ -93,13 +95,15 @@ class Gate:
         if not 0.0 <= dt < math.inf:
             raise ValueError(f"dt is {dt}, wanted a finite duration in seconds")
         moving = bool(self._wanted.any())
-        if self._stopped or self._left <= 0.0:
+        if self._stopped or self._left <= _INSTANT:
             if moving and not self._stopped:
                 self.expired += 1
             self._wanted = np.zeros(6)
             self._executed = np.zeros(6)
         elif moving:
-            self._executed = self._wanted * self._reachable(dt)
+            # Of the last interval only the part that the ttl leaves: no command travels further than speed times ttl.
+            left = self._left / dt if dt > self._left else 1.0
+            self._executed = self._wanted * min(self._reachable(dt), left)
         else:
             self._executed = np.zeros(6)
         self._left -= dt

@@ -103,6 +103,14 @@ def test_nothing_moves_after_the_ttl(command: Command, steps: list[float]) -> No
 
 
 @settings(max_examples=200, deadline=None)
+@given(st.floats(1e-3, LONGEST_TTL), st.lists(st.floats(1e-4, 0.05), min_size=1, max_size=60))
+def test_a_command_travels_no_further_than_its_ttl_allows(ttl: float, steps: list[float]) -> None:
+    gate = gate_with((0.1, 0.0, 0.0), ttl=ttl)
+    travelled = sum(gate.advance(dt)[0] * dt for dt in steps)
+    assert travelled <= 0.1 * ttl * (1.0 + ROUNDING) + ROUNDING
+
+
+@settings(max_examples=200, deadline=None)
 @given(commands(ordinary), st.integers(1, 40))
 def test_the_direction_of_a_command_is_kept(command: Command, count: int) -> None:
     gate = gate_with(command.linear, command.angular)
