@@ -8,7 +8,7 @@ import numpy as np
 
 from services.controller.law import Law, LawInput, LawOutput
 from services.controller.parameters import ControllerParameters
-from services.controller.qp import TOLERANCE, UNBOUNDED, Qp, QpFailure, Timer, no_timer
+from services.controller.qp import CLOSED, TOLERANCE, UNBOUNDED, Qp, QpFailure, Timer, no_timer
 from shared.spatial import Array
 
 _GAMMA = 6
@@ -22,7 +22,6 @@ class BoxLaw(Law):
     ) -> None:
         super().__init__(parameters, timer, previous)
         self.qp = Qp(np.array([1.0] * 6 + [0.0]), 1, timer, parameters.period)
-        self.qp.lower[_GAMMA] = 0.0
         self.qp.upper[_GAMMA] = UNBOUNDED
         self.qp.rows[0, _GAMMA] = -1.0
 
@@ -41,10 +40,10 @@ class BoxLaw(Law):
         lower = np.minimum(np.maximum(own_lower, -reach[:6]), reach[6:])
         upper = np.minimum(np.maximum(own_upper, -reach[:6]), reach[6:])
         qp.lower[:_GAMMA] = lower
-        qp.upper[:_GAMMA] = upper
-        # (e/|e|).v - gamma/|e| <= -(lambda/2)|e|, gamma/|e| being the last variable.
+        qp.upper[:_GAMMA] = np.where(upper - lower > CLOSED, upper, lower)
+        # The last variable is (gamma - (lambda/2)|e|^2)/|e|, a speed: (e/|e|).v - it <= 0, it >= -(lambda/2)|e|.
         qp.rows[0, :_GAMMA] = self._unit_error(error, length)
-        qp.right[0] = -0.5 * self.parameters.lyapunov_rate * length
+        qp.lower[_GAMMA] = -0.5 * self.parameters.lyapunov_rate * length
         qp.cost[_GAMMA] = self.parameters.relaxation_weight * length
         try:
             v, failure = np.minimum(np.maximum(qp.solve()[:_GAMMA], lower), upper), None

@@ -76,20 +76,14 @@ def _bound(parameters: ControllerParameters, limit: Array, turn: float) -> Stiff
 def _approach(parameters: ControllerParameters, limit: Array, caps: Caps, axis: int) -> tuple[float, str]:
     """``min_j A_j / (Kbar_ji (T + d + tau))``, the own axis less its reserve; iterated, since turning widens Kbar."""
     linear = axis < 3
-    speed, reason = (
-        (parameters.max_linear, "max_linear") if linear else (parameters.max_angular, "max_angular")
-    )
+    fastest = (parameters.max_linear, "max_linear") if linear else (parameters.max_angular, "max_angular")
+    slowest = (0.0, "")
     for _ in range(_ROUNDS):
-        turn = 0.0 if linear else speed * (parameters.delay + parameters.lag)
-        bound = _bound(parameters, limit, turn)
+        bound = _bound(parameters, limit, 0.0 if linear else slowest[0] * (parameters.delay + parameters.lag))
         allowed = [
             (caps.levels[0][j] / (bound.rows[j][axis] * parameters.horizon), f"limit {AXES[j]}")
             for j in range(6)
         ]
         own = caps.levels[1][axis] / (bound.rows[axis][axis] * parameters.horizon)
-        allowed.append((own, f"limit {AXES[axis]} less the reserve"))
-        slowest = min(allowed)
-        if slowest[0] >= speed:
-            break
-        speed, reason = slowest
-    return float(speed), reason
+        slowest = min(fastest, *allowed, (own, f"limit {AXES[axis]} less the reserve"))
+    return float(slowest[0]), slowest[1]

@@ -16,14 +16,12 @@ from services.controller.caps import Caps
 from services.controller.contact import StiffnessBound
 from services.controller.law import Law, LawInput, LawOutput
 from services.controller.parameters import ControllerParameters
-from services.controller.qp import TOLERANCE, UNBOUNDED, Qp, QpFailure, Timer, no_timer
+from services.controller.qp import CLOSED, TOLERANCE, UNBOUNDED, Qp, QpFailure, Timer, no_timer
 from services.controller.yielding import RoundedYield, StrictYield, scaled_into
 from shared.spatial import Array
 
 _GAMMA = 12
 _LYAPUNOV = 12
-_CLOSED = 1e-7
-"""A row with less room than this speed [m/s, rad/s] is closed: its variables are fixed at 0."""
 
 
 class CertifiedLaw(Law):
@@ -164,22 +162,25 @@ class CertifiedLaw(Law):
         qp, room = self.qp, self._now[0]
         qp.right[:12] = room
         upper = qp.upper[:12]
-        if min(room.tolist()) < _CLOSED:
-            shut = room < _CLOSED
+        np.multiply(upper, upper > CLOSED, out=upper)
+        if min(room.tolist()) < CLOSED:
+            # A closed row fixes every variable that it counts, and need not be passed.
+            shut = room < CLOSED
             upper[(self._scaled[shut] > 0.0).any(axis=0)] = 0.0
             qp.right[:12][shut] = 1.0
         unit = self._unit_error(error, length)
         np.negative(unit, out=qp.rows[_LYAPUNOV, :6])
         qp.rows[_LYAPUNOV, 6:12] = unit
-        decrease = -0.5 * self.parameters.lyapunov_rate * length
+        # The last variable is (gamma - (lambda/2)|e|^2)/|e|, a speed: (e/|e|).v - it <= 0, it >= -(lambda/2)|e|.
+        qp.lower[_GAMMA] = -0.5 * self.parameters.lyapunov_rate * length
         if yields:
             # |y + p - q|^2 and e.(y + p - q) with y given.
             np.multiply(self._y, -2.0, out=qp.cost[:6])
             np.multiply(self._y, 2.0, out=qp.cost[6:12])
-            decrease -= float(unit.dot(self._y))
+            qp.right[_LYAPUNOV] = -float(unit.dot(self._y))
         else:
             qp.cost[:12] = 0.0
-        qp.right[_LYAPUNOV] = decrease
+            qp.right[_LYAPUNOV] = 0.0
         qp.cost[_GAMMA] = self.parameters.relaxation_weight * length
         speeds = np.minimum(qp.solve()[:12], upper)
         np.maximum(speeds, 0.0, out=speeds)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from services.controller.controller import Controller
 from services.controller.parameters import ControllerParameters
 from shared.clock import SteadyClock
@@ -12,6 +14,8 @@ from shared.process import run
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run until SIGTERM; returns the exit status."""
+    # Every number is checked where it is used; a line on standard error per absurd message would help nobody.
+    np.seterr(all="ignore")
 
     def make(parameters: ControllerParameters) -> Controller:
         return Controller(parameters, SteadyClock().now_ns)

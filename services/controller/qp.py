@@ -14,6 +14,8 @@ UNBOUNDED = 1e30
 """PIQP's infinity; finite, so that one sum over all data finds every non-finite number."""
 TOLERANCE = 1e-6
 """Largest violation [m/s, rad/s] of a row or bound that is taken for rounding."""
+CLOSED = 1e-7
+"""Room [m/s, rad/s] below which a variable is fixed: in a thinner gap the solver's iterations multiply."""
 MOST_ITERATIONS = 60
 """The problems need 8 to 20."""
 
@@ -73,6 +75,9 @@ class Qp:
         solver = piqp.DenseSolver()
         solver.settings.eps_abs = 1e-9
         solver.settings.eps_rel = 0.0
+        # The twist is as exact as the root of the duality gap: 1e-6 m/s, or a resting tool would creep.
+        solver.settings.eps_duality_gap_abs = 1e-12
+        solver.settings.eps_duality_gap_rel = 1e-12
         solver.settings.max_iter = MOST_ITERATIONS
         solver.setup(
             self._quadratic,

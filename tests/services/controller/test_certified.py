@@ -1,0 +1,219 @@
+"""The certified law against its formulas, written a second time without any of its shortcuts."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import piqp
+import pytest
+
+from services.controller.certificate import certificates
+from services.controller.laws import CertifiedLaw, make_law
+from services.controller.qp import QpFailure
+from services.controller.yielding import RoundedYield
+from tests.services.controller import closed_form
+from tests.services.controller.contacts import ERROR, LIMIT, agile, state, unit
+
+REACH = (0.4, 0.2, 0.1)
+
+
+def make(**changes: object) -> CertifiedLaw:
+    law = make_law(
+        agile(**{"contact_stiffness": 1000.0, "contact_reach": REACH, "contact_friction": 0.3, **changes})
+    )
+    assert isinstance(law, CertifiedLaw)
+    return law
+
+
+def violation(law: CertifiedLaw, s: np.ndarray, y: np.ndarray, v: np.ndarray, wrench: np.ndarray) -> float:
+    """Largest excess [N, Nm] over max(0, room) of the twelve rows, element by element as the statement has them.
+
+    ``up_i: T (Ko (p+q) + d q + low p)_i <= max(0, A - w - Ko (s+ + s- + |y| T) - d (s- + y- T) - low (s+ + y+ T))_i``
+    """
+    T, K, low = law.parameters.period, law.bound.matrix, law.bound.low
+    A = law.caps.levels[0][:6] if not law.rounded else np.array(law.caps.rounded(law._yielding.distance))
+    p, q = np.maximum(v - y, 0), np.maximum(y - v, 0)
+    worst = -np.inf
+    for side in (1, -1):
+        down, up = (s[:6], s[6:]) if side == 1 else (s[6:], s[:6])
+        y_down, y_up = np.maximum(-side * y, 0), np.maximum(side * y, 0)
+        fall, rise = (q, p) if side == 1 else (p, q)
+        for i in range(6):
+            others = [j for j in range(6) if j != i]
+            room = A[i] - side * wrench[i]
+            room -= sum(K[i, j] * (down[j] + up[j] + abs(y[j]) * T) for j in others)
+            room -= K[i, i] * (down[i] + y_down[i] * T) + low[i] * (up[i] + y_up[i] * T)
+            used = T * sum(K[i, j] * (p[j] + q[j]) for j in others) + T * (
+                K[i, i] * fall[i] + low[i] * rise[i]
+            )
+            worst = max(worst, used - max(0.0, room))
+    return worst
+
+
+@pytest.mark.parametrize("yield_start", [1.0, 0.8])
+def test_rows_hold_for_any_input(yield_start: float) -> None:
+    rng = np.random.default_rng(5)
+    law = make(yield_start=yield_start, delay=0.03, lag=0.01, period=0.012)
+    moved = 0
+    for _ in range(1500):
+        wrench = LIMIT * rng.uniform(-1, 1, 6) * rng.choice((0.05, 0.5, 1.1))
+        given = state(
+            wrench, rng.normal(size=3) * 0.2, target=rng.normal(size=3) * 0.2, turn=rng.normal(size=3) * 0.3
+        )
+        output = law.step(given, 0.01)
+        assert output.failure is None
+        y = law._y.copy()
+        assert violation(law, law.travel.in_flight, y, output.twist, wrench) <= 1e-9
+        moved += bool(np.abs(output.twist).max() > 1e-3)
+    assert moved > 150
+
+
+@pytest.mark.parametrize(
+    "lie",
+    [
+        lambda rng, x: x * rng.uniform(0, 1 + 2e-7, 13),
+        lambda rng, x: x * rng.uniform(0, 3, 13),
+        lambda rng, x: rng.uniform(0, 1, 13),
+        lambda rng, x: x * math.nan,
+        lambda rng, x: -x,
+    ],
+)
+def test_rows_hold_whatever_the_solver_answers(lie) -> None:  # noqa: ANN001
+    rng = np.random.default_rng(6)
+    law = make(delay=0.02)
+    honest = law.qp._minimise
+    law.qp._minimise = lambda: (piqp.PIQP_SOLVED, lie(rng, honest()[1]))
+    for _ in range(300):
+        wrench = LIMIT * rng.uniform(-1.1, 1.1, 6)
+        output = law.step(state(wrench, target=rng.normal(size=3) * 0.2), 0.01)
+        assert np.isfinite(output.twist).all()
+        if output.failure is not None:
+            assert law.last_failure["reason"] == output.failure and law.last_failure["rows"]
+            assert output.twist == pytest.approx(law._y), "what is left without a solver is the retreat"
+        assert violation(law, law.travel.in_flight, law._y, output.twist, wrench) <= 1e-9
+
+
+def test_a_failed_solve_in_free_space_rests() -> None:
+    law = make()
+
+    def fail() -> None:
+        raise QpFailure("quadratic program: out of order", {})
+
+    law.qp.solve = fail
+    output = law.step(state(target=[0.3, 0, 0]), 0.01)
+    assert output.failure == "quadratic program: out of order" and not output.twist.any()
+
+
+def test_optimum_in_a_box_of_single_axes() -> None:
+    """With one contact axis that matters (tiny reach) the reserve alone bounds p and q: compare with the bisection."""
+    rng = np.random.default_rng(7)
+    compared = 0
+    for _ in range(200):
+        law = make(contact_stiffness=1.0, contact_reach=(0.001,) * 3, contact_friction=0.0, reserve=0.3)
+        error = rng.normal(size=3)
+        given = state(position=error, turn=0.1 * rng.normal(size=3), limit=LIMIT * 1e4)
+        output = law.step(given, 0.01)
+        v = closed_form.twist(
+            np.concatenate((error, _rotation_error(given))), np.full(6, -1.0), np.full(6, 3.0), 10.0, 1.0
+        )
+        if np.all(np.abs(v[:3]) < 1.0):
+            compared += 1
+            assert output.twist == pytest.approx(closed_form.shortened(v, 1.0, 3.0), abs=1e-6)
+    assert compared > 100
+
+
+def _rotation_error(given) -> np.ndarray:  # noqa: ANN001
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_matrix(given.rotation @ given.target_rotation.T).as_rotvec()
+
+
+def test_narrow_limits_brake_and_say_which() -> None:
+    error = ERROR.copy()
+    error[4] = 1.2
+    output = make().step(state(target=[0.3, 0, 0], error_bound=error), 0.01)
+    assert "3 Nm about y" in output.failure and "1.2" in output.failure and not output.twist.any()
+
+
+def test_negative_error_bounds_are_refused() -> None:
+    assert make().step(state(error_bound=-ERROR), 0.01).failure
+
+
+def test_inertia_of_the_payload_narrows_the_limits() -> None:
+    output = make(payload_mass=5.0, max_acceleration=(2.0,) * 6).step(state(target=[0.3, 0, 0]), 0.01)
+    assert "error bound 10.4 N" in output.failure or "error bound 10." in output.failure
+
+
+@pytest.mark.parametrize("yield_start", [1.0, 0.9])
+def test_a_weight_below_the_limit_is_held_without_moving(yield_start: float) -> None:
+    law = make(yield_start=yield_start)
+    for _ in range(50):
+        output = law.step(state([0, 0, -0.85 * LIMIT[2], 0, 0, 0]), 0.01)
+        assert np.abs(output.twist).max() < 1e-6 and output.failure is None
+
+
+def test_a_weight_above_the_limit_is_lowered() -> None:
+    law = make()
+    speeds = [law.step(state([0, 0, -11.0, 0, 0, 0]), 0.01) for _ in range(5)]
+    assert all(output.twist[2] < 0 and output.yielding and output.active[2] == -1 for output in speeds)
+
+
+def test_retreat_is_open_while_pressing() -> None:
+    """At the cap the row is closed inward; outward the tool may leave at once."""
+    law = make(contact_friction=0.0)
+    pressed = [0, 0, 0.95 * LIMIT[2], 0, 0, 0]
+    inward = law.step(state(pressed, target=[0, 0, -0.3]), 0.01)
+    assert inward.twist[2] == pytest.approx(0.0, abs=1e-9)
+    outward = make(contact_friction=0.0).step(state(pressed, target=[0, 0, 0.3]), 0.01)
+    assert outward.twist[2] > 0.01
+
+
+@pytest.mark.parametrize("axis", range(6))
+@pytest.mark.parametrize("yield_start", [1.0, 0.8])
+def test_free_approach_reaches_the_certified_speed_without_stopping(axis: int, yield_start: float) -> None:
+    law = make(
+        delay=0.03, lag=0.02, period=0.012, contact_stiffness=3000.0, yield_start=yield_start, max_linear=0.25
+    )
+    certified = certificates(law.parameters, LIMIT, ERROR)[axis].speed
+    far = np.zeros(6)
+    far[axis] = 2.0
+    speeds = []
+    for _ in range(200):
+        speeds.append(law.step(state(target=far[:3], target_turn=far[3:]), 0.01).twist[axis])
+    assert np.all(np.array(speeds) >= 0.97 * certified)
+    assert np.all(np.array(speeds) <= 1.05 * certified)
+
+
+def test_what_is_in_flight_survives_braking_and_a_change_of_law() -> None:
+    law = make(delay=0.05)
+    for _ in range(10):
+        law.step(state(target=[1.0, 0, 0]), 0.01)
+    law.brake(0.01)
+    assert law.travel.in_flight[6] > 0.0
+    other = make_law(agile(law="paper", delay=0.05), previous=law)
+    assert other.travel is law.travel
+    back = make_law(agile(delay=0.05), previous=other)
+    back.brake(0.01)
+    assert back.travel.in_flight[6] > 0.0
+
+
+def test_direction_of_yielding_is_kept_by_every_limit() -> None:
+    rng = np.random.default_rng(8)
+    slow = {"max_linear": 0.02, "max_angular": 0.03, "max_acceleration": (0.5, 1.0, 0.2, 3.0, 0.4, 1.0)}
+    compared = 0
+    for _ in range(100):
+        law = make(yield_start=0.8, **slow)
+        wrench = LIMIT * unit(rng, 6) * rng.uniform(0.8, 3)
+        output = law.step(state(wrench), 0.01)
+        assert np.linalg.norm(output.twist[:3]) <= 0.02 * (1 + 1e-9)
+        assert np.linalg.norm(output.twist[3:]) <= 0.03 * (1 + 1e-9)
+        free = RoundedYield().step(
+            wrench.tolist(), law.caps, law.bound, law.box.speed, law.response_time, 0.01
+        )
+        if free is not None and law._y.any():
+            compared += 1
+            assert law._y / np.linalg.norm(law._y) == pytest.approx(
+                np.array(free) / np.linalg.norm(free), abs=1e-9
+            )
+    assert compared > 50

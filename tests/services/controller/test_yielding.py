@@ -1,0 +1,164 @@
+"""Yielding: the formulas, their direction, and the stiffness that the rounded form divides by."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from services.controller.caps import Caps
+from services.controller.contact import ContactZone, StiffnessBound
+from services.controller.yielding import RoundedYield, StrictYield, largest_stiffness, scaled_into
+from tests.services.controller.contacts import ERROR, LIMIT, jacobian, tangent
+
+D, DT = 0.05, 0.01
+SPEED = [0.25] * 3 + [0.5] * 3
+ZONE = ContactZone(800.0, (0.5, 0.3, 0.1))
+
+
+@pytest.fixture
+def bound() -> StiffnessBound:
+    bound = StiffnessBound([ZONE])
+    bound.update(np.eye(3), 0.0, [10.0, 10.0, 10.0])
+    return bound
+
+
+def caps(yield_start: float) -> Caps:
+    caps = Caps(0.1, yield_start)
+    caps.update(LIMIT, ERROR)
+    return caps
+
+
+def test_strict_form_rests_up_to_the_limit_and_its_error(bound: StiffnessBound) -> None:
+    step = StrictYield().step
+    for side in (-1, 1):
+        wrench = (side * (LIMIT + ERROR)).tolist()
+        assert step(wrench, caps(1.0), bound, SPEED, D, DT) is None
+
+
+def test_strict_form_is_the_formula(bound: StiffnessBound) -> None:
+    c = caps(1.0)
+    wrench = np.array((12.0, -13.0, 5.0, 0.0, 3.5, 0.0))
+    y = np.array(StrictYield().step(wrench.tolist(), c, bound, [10.0] * 6, D, DT))
+    K, wall = bound.matrix, np.array(c.wall)
+    over = [0, 1, 4]
+    for i in range(6):
+        excess = max(0.0, abs(wrench[i]) - wall[i])
+        row = sum(K[i, j] / math.sqrt(K[j, j]) for j in over)
+        expected = np.sign(wrench[i]) * excess / (math.sqrt(K[i, i]) * row * D)
+        assert y[i] == pytest.approx(expected * (1 + DT / (4 * D)), abs=1e-15)
+
+
+def test_the_answer_removes_no_more_than_the_excess(bound: StiffnessBound) -> None:
+    """Summed over the axes in scaled units: the columns of the loop's matrix add up to one, so is its gain."""
+    rng = np.random.default_rng(1)
+    for _ in range(200):
+        c = caps(1.0)
+        wrench = LIMIT * rng.uniform(-2, 2, 6)
+        y = StrictYield().step(wrench.tolist(), c, bound, [1e9] * 6, D, 1e-12)
+        if y is None:
+            continue
+        excess = np.maximum(0.0, np.abs(wrench) - c.wall)
+        roots = np.sqrt(bound.matrix.diagonal())
+        over = excess > 0
+        removed = (bound.matrix[np.ix_(over, over)] @ np.abs(np.array(y)[over])) * D
+        assert np.sum(removed / roots[over]) <= np.sum(excess[over] / roots[over]) * (1 + 1e-9)
+
+
+def test_integral_grows_saturates_and_decays(bound: StiffnessBound) -> None:
+    yielding, c = StrictYield(), caps(1.0)
+    wrench = [11.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    speeds = [yielding.step(wrench, c, bound, SPEED, D, DT)[0] for _ in range(3000)]
+    assert speeds[100] > 2 * speeds[0] and max(speeds) <= SPEED[0] + speeds[0]
+    rest = [0.0] * 6
+    for _ in range(200):
+        after = yielding.step(rest, c, bound, SPEED, D, DT)
+    assert after is None
+
+
+def exact(r: tuple, axes: list[int], room: np.ndarray) -> float:
+    """Largest eigenvalue of ``X^-1 J_P' J_P X^-1`` over the corners of the reach."""
+    largest = 0.0
+    for signs in itertools.product((-1, 1), repeat=3):
+        J = jacobian(np.array(r) * signs)[:, axes] / room[axes]
+        largest = max(largest, float(np.linalg.eigvalsh(J.T @ J)[-1]))
+    return largest
+
+
+def test_largest_stiffness_is_the_eigenvalue_at_the_corner() -> None:
+    rng = np.random.default_rng(2)
+    bound = StiffnessBound([ZONE])
+    bound.update(np.eye(3), 0.0, [0.0, 0.0, 0.0])
+    for _ in range(200):
+        axes = sorted(rng.choice(6, rng.integers(1, 7), replace=False).tolist())
+        room = rng.uniform(0.1, 5.0, 6)
+        expected = ZONE.stiffness * exact(bound.reaches[0], axes, room)
+        assert largest_stiffness(bound, axes, room.tolist()) == pytest.approx(expected, rel=1e-9)
+
+
+def test_no_contact_is_stiffer_than_the_largest_stiffness() -> None:
+    rng = np.random.default_rng(3)
+    bound = StiffnessBound([ZONE])
+    bound.update(np.eye(3), 0.0, [0.0, 0.0, 0.0])
+    for _ in range(500):
+        axes = sorted(rng.choice(6, rng.integers(1, 7), replace=False).tolist())
+        room = rng.uniform(0.1, 5.0, 6)
+        total = np.zeros((6, 6))
+        for share in rng.dirichlet(np.ones(2)):
+            J = jacobian(np.array(ZONE.reach) * rng.uniform(-1, 1, 3))
+            K = tangent(rng, ZONE.stiffness * share, 0.0)
+            total += J.T @ K @ J
+        scaled = total[np.ix_(axes, axes)] / np.outer(room[axes], room[axes])
+        assert np.linalg.eigvalsh(scaled)[-1] <= largest_stiffness(bound, axes, room.tolist()) * (1 + 1e-9)
+
+
+def test_rounded_form_begins_at_its_threshold_and_follows_the_gradient(bound: StiffnessBound) -> None:
+    c = caps(0.8)
+    start, room = np.array(c.start), np.array(c.room)
+    assert RoundedYield().step((0.999 * start).tolist(), c, bound, SPEED, D, DT) is None
+    wrench = start * np.array((1.1, -1.05, 0.5, 0.0, 0.0, 0.2))
+    yielding = RoundedYield()
+    y = np.array(yielding.step(wrench.tolist(), c, bound, SPEED, D, 1e-12))
+    gradient = np.sign(wrench) * np.maximum(0.0, np.abs(wrench) - start) / room**2
+    assert y / np.linalg.norm(y) == pytest.approx(gradient / np.linalg.norm(gradient), abs=1e-9)
+
+
+def test_rounded_form_never_raises_the_distance_of_a_passive_contact() -> None:
+    """One answer of duration D, held, from any wrench: V does not grow, whatever the contact."""
+    rng = np.random.default_rng(4)
+    bound = StiffnessBound([ZONE])
+    bound.update(np.eye(3), 0.0, [0.0, 0.0, 0.0])
+    c = caps(0.8)
+    start, room = np.array(c.start), np.array(c.room)
+
+    def distance(w: np.ndarray) -> float:
+        return float(np.linalg.norm(np.maximum(0.0, np.abs(w) - start) / room))
+
+    moved = 0
+    for _ in range(2000):
+        wrench = LIMIT * rng.uniform(-1, 1, 6)
+        y = RoundedYield().step(wrench.tolist(), c, bound, [1e9] * 6, D, 1e-12)
+        if y is None:
+            continue
+        J = jacobian(np.array(ZONE.reach) * rng.uniform(-1, 1, 3))
+        K = J.T @ tangent(rng, ZONE.stiffness, 0.0) @ J
+        moved += 1
+        assert distance(wrench - D * K @ np.array(y)) <= distance(wrench) + 1e-9
+    assert moved > 500
+
+
+def test_beyond_the_wall_the_rounded_form_yields_at_least_as_fast_as_the_strict(
+    bound: StiffnessBound,
+) -> None:
+    wrench = [15.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    strict = StrictYield().step(wrench, caps(0.8), bound, [9.0] * 6, D, DT)
+    rounded = RoundedYield().step(wrench, caps(0.8), bound, [9.0] * 6, D, DT)
+    assert abs(rounded[0]) >= abs(strict[0]) > 0.0
+
+
+def test_scaling_keeps_the_direction() -> None:
+    assert scaled_into([1.0, 2.0, 0, 0, 0, -1.0], [0.5] * 6) == pytest.approx([0.25, 0.5, 0, 0, 0, -0.25])
+    assert scaled_into([0.1] * 6, [0.5] * 6) == [0.1] * 6
+    assert scaled_into([1.0, 0, 0, 0, 0, 0], [0.0] * 6) == [0.0] * 6
