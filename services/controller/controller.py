@@ -31,6 +31,8 @@ from shared.topics import (
 
 _SHOWN_FOR = 10.0
 """Time [s] for which the health keeps showing a failed quadratic program."""
+_ABSURD = 1e12
+"""A margin [N, Nm] is reported down to this, so that a status can be sent whatever the inputs were."""
 _ZERO = np.zeros(6)
 
 
@@ -78,7 +80,8 @@ class Controller:
         measured = np.concatenate((wrench.force, wrench.torque))
         if self._target is not None:
             self._agreement.follow(self._limit, self._nominal, dt)
-            self._margin = self._limit - np.abs(measured - self._nominal) - wrench.error_bound
+            margin = self._limit - np.abs(measured - self._nominal) - wrench.error_bound
+            self._margin = np.maximum(margin, -_ABSURD)
         holding = self._holding()
         if holding is not None:
             return self._rest(*holding, dt)
