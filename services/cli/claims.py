@@ -10,16 +10,16 @@ from rich.text import Text
 
 
 def claims_table(claims: Sequence[dict[str, Any]]) -> Table:
-    """Claims as the experiment's judge wrote them: run, text, figure, limit, passed."""
+    """Claims as the experiment's judge wrote them, under a heading per run: claim, figure, limit, pass or fail."""
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("run", "claim", "measured", "required", ""):
+    for name in ("claim", "measured", "required", ""):
         table.add_column(name, overflow="fold")
     last = None
     for claim in claims:
-        if last is not None and claim["run"] != last:
-            table.add_row()
+        if claim["run"] != last:
+            table.add_row(*([] if last is None else [""]))
+            table.add_row(Text(claim["run"], style="bold"))
+            last = claim["run"]
         mark = Text("pass", style="green") if claim["passed"] else Text("FAIL", style="bold red")
-        name = claim["run"] if claim["run"] != last else ""
-        table.add_row(Text(name, style="bold"), claim["text"], claim["figure"], claim["limit"], mark)
-        last = claim["run"]
+        table.add_row(Text(f"  {claim['short']}"), claim["figure"], claim["limit"], mark)
     return table

@@ -22,9 +22,10 @@ SPEED_SLACK = 1.05  # the tool's tracking may overshoot the commanded speed by t
 
 @dataclass(frozen=True)
 class Claim:
-    """One line of the table. `run` is the run's name, or two names for a comparison."""
+    """One line of the table. `run` is the run's name, or two names for a comparison; `short` says `text` in a row."""
 
     run: str
+    short: str
     text: str
     figure: str
     limit: str
@@ -48,6 +49,7 @@ def judge(runs: Mapping[str, Run], measured: Mapping[str, Measures], limit: floa
 def _sags(run: str, found: Measures) -> Claim:
     return Claim(
         run,
+        f"cannot hold {LIGHT:.0f} N: sags",
         f"the baseline cannot hold {LIGHT:.0f} N: it sags by decimetres",
         f"{1e3 * found.sag:.0f} mm",
         f"at least {1e3 * SAG_AT_LEAST:.0f} mm",
@@ -60,6 +62,7 @@ def _keeps_and_lowers(run: str, found: Measures) -> list[Claim]:
     return [
         Claim(
             run,
+            f"holds {LIGHT:.0f} N: tool z moves",
             f"holds {LIGHT:.0f} N: the tool moves less than 1 cm in z",
             f"{1e3 * found.hold_error:.1f} mm",
             f"under {1e3 * HOLD_WITHIN:.0f} mm",
@@ -67,13 +70,15 @@ def _keeps_and_lowers(run: str, found: Measures) -> list[Claim]:
         ),
         Claim(
             run,
+            "keeps every limit until then",
             "stays within every limit, force and torque, until the heavier bag",
-            f"{100 * found.excess_before:.0f} % of the nearest limit",
+            f"{100 * found.excess_before:.0f} % of the nearest",
             "at most 100 %",
             found.excess_before <= 1.0,
         ),
         Claim(
             run,
+            "lowers the heavier bag",
             "lowers the heavier bag to the ground",
             f"{1e3 * found.drop:.0f} mm in {found.lowering_time:.1f} s" if landed else "never",
             "before it is taken off",
@@ -81,13 +86,15 @@ def _keeps_and_lowers(run: str, found: Measures) -> list[Claim]:
         ),
         Claim(
             run,
+            "smoothly: no turning back",
             "lowers it smoothly: always downward, never over the tool's speed limit",
-            f"{found.reversals} turn-rounds, peak {1e3 * found.peak_speed:.0f} mm/s",
-            f"0 turn-rounds, {1e3 * found.max_linear:.0f} mm/s",
+            f"{found.reversals} turns, {1e3 * found.peak_speed:.0f} mm/s",
+            f"0, at most {1e3 * found.max_linear:.0f} mm/s",
             found.reversals == 0 and found.peak_speed <= SPEED_SLACK * found.max_linear,
         ),
         Claim(
             run,
+            "leaves it on the ground",
             "leaves it on the ground",
             f"{1e3 * found.bag_height:.1f} mm above it",
             f"at most {1e3 * GROUND:.0f} mm",
@@ -101,13 +108,15 @@ def _certified(run: str, found: Measures, limit: float) -> list[Claim]:
     return [
         Claim(
             run,
-            "carries it steadily on the way down: the load does not swing",
-            f"±{found.load_swing:.2f} N for 80 % of the way",
+            "load steady on the way",
+            "carries it steadily: for 80 % of the way down the load does not swing",
+            f"±{found.load_swing:.2f} N",
             f"±{STEADY_WITHIN:.0f} N",
             found.load_swing <= STEADY_WITHIN,
         ),
         Claim(
             run,
+            "load then within limit + error",
             "once the ground bears the rest, the load is within limit + error bound",
             f"{found.ground_peak:.2f} N at most",
             f"{allowed:.2f} N",
@@ -119,8 +128,9 @@ def _certified(run: str, found: Measures, limit: float) -> list[Claim]:
 def _comes_back(run: str, found: Measures) -> Claim:
     return Claim(
         run,
+        "comes back when unloaded",
         "comes back to the pose it held when the bag is taken off",
-        f"{1e3 * found.return_error:.1f} mm away; within 1 cm after {found.return_time:.1f} s",
+        f"{1e3 * found.return_error:.1f} mm off; 1 cm after {found.return_time:.1f} s",
         f"within {1e3 * RETURN_WITHIN:.0f} mm",
         found.return_error <= RETURN_WITHIN,
     )
@@ -129,18 +139,40 @@ def _comes_back(run: str, found: Measures) -> Claim:
 def _against_the_paper(paper: Measures, certified: Measures) -> list[Claim]:
     """The two laws at the paper's own rate. A comparison holds only if the certified law is no worse."""
     lines = (
-        ("the load swings less on the way down", "load_swing", 1.0, "N (80 % of the way)", 2),
-        ("the load peaks lower with the bag on the ground", "ground_peak", 1.0, "N", 1),
-        ("the tool rests more steadily with the bag on the ground", "ground_ripple", 1e3, "mm (std)", 2),
+        (
+            "load on the way: swings less",
+            "for 80 % of the way down the load swings less",
+            "load_swing",
+            1.0,
+            "N",
+            2,
+        ),
+        (
+            "load on the ground: peaks lower",
+            "the load peaks lower with the bag on the ground",
+            "ground_peak",
+            1.0,
+            "N",
+            1,
+        ),
+        (
+            "tool on the ground: steadier",
+            "with the bag on the ground the tool rests more steadily (standard deviation of z)",
+            "ground_ripple",
+            1e3,
+            "mm",
+            2,
+        ),
     )
     return [
         Claim(
             "certified-30, paper-30",
+            short,
             f"{text} under certified than under the paper's law",
             " against ".join(f"{scale * getattr(found, name):.{digits}f}" for found in (certified, paper))
             + f" {unit}",
             "certified at most paper",
             getattr(certified, name) <= getattr(paper, name),
         )
-        for text, name, scale, unit, digits in lines
+        for short, text, name, scale, unit, digits in lines
     ]

@@ -44,6 +44,8 @@ class Measures:
     return_time: float  # from taking the bag off to staying within 1 cm
     error_bound: float  # published bound on force z
     max_linear: float  # the tool's speed limit that the robot publishes [m/s]
+    longest_gap: float  # between two samples of the force sensor: how well the machine kept time
+    unhealthy: float  # share of the time during which the controller braked or waited
 
 
 def measure(recording: Recording) -> Measures:
@@ -97,6 +99,8 @@ def measure(recording: Recording) -> Measures:
         return_error=float(np.max(back[time >= time[-1] - 0.5])),
         return_time=float((away[-1] if away.size else unload) - unload),
         error_bound=float(np.max(recording.series(wrench, "error_bound")[force_time >= 0.0, 2])),
+        longest_gap=_longest_gap(recording),
+        unhealthy=_unhealthy(recording),
         max_linear=float(recording.series(topics.STATE_ROBOT.key, "max_linear")[-1]),
     )
 
@@ -120,6 +124,17 @@ def _excess(recording: Recording, until: float) -> float:
     values = np.hstack([recording.series(wrench, "force"), recording.series(wrench, "torque")])
     limits = np.array([*recording.meta["force_limit"], *recording.meta["torque_limit"]])
     return float(np.max(np.abs(values[_within(time, 0.0, until)]) / limits))
+
+
+def _longest_gap(recording: Recording) -> float:
+    time = recording.time(topics.SENSOR_FT.key)
+    return float(np.max(np.diff(time[time >= 0.0]), initial=0.0))
+
+
+def _unhealthy(recording: Recording) -> float:
+    key = topics.CONTROL_STATUS.key
+    state = recording.series(key, "state")[recording.time(key) >= 0.0]
+    return float(np.mean(~np.isin(state, ("tracking", "yielding")))) if len(state) else 1.0
 
 
 def _speed(time: np.ndarray, values: np.ndarray) -> np.ndarray:

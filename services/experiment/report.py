@@ -22,6 +22,8 @@ from services.experiment.recording import Recording
 from shared import topics
 
 RECORDING = "recording.npz"
+GAP = 0.15  # [s] without a sample; the services latch a sensor failure after 0.1 s
+HELD = 0.02  # share of the time
 FILM = "scene.mp4"
 FILM_PATIENCE = 120.0  # [s] for rendering one film; the report does without it after that
 
@@ -53,6 +55,7 @@ def write(folder: Path, films: Sequence[str] = (), commands: Sequence[str] = ())
     recordings = {name: Recording.load(folder / name / RECORDING) for name in runs}
     measured = {name: measure(recording) for name, recording in recordings.items()}
     claims = judge(runs, measured, FORCE_LIMIT[2])
+    disturbances = _disturbances(measured)
 
     drawn = _draw(folder, runs, recordings, measured)
     files = {name: recording.write_csv(folder / name / "csv") for name, recording in recordings.items()}
@@ -72,7 +75,7 @@ def write(folder: Path, films: Sequence[str] = (), commands: Sequence[str] = ())
             _facts(recordings),
             files,
             folder,
-            _notes(measured),
+            [*disturbances, *_notes(measured)],
             commands,
             {name: recording.meta["settings"] for name, recording in recordings.items()},
         ),
@@ -81,10 +84,10 @@ def write(folder: Path, films: Sequence[str] = (), commands: Sequence[str] = ())
     summary = {
         "claims": [dataclasses.asdict(claim) for claim in claims],
         "measures": {name: dataclasses.asdict(found) for name, found in measured.items()},
-        "problems": problems,
+        "problems": [*disturbances, *problems],
     }
     (folder / "claims.json").write_text(json.dumps(summary, indent=2), encoding="utf-8")
-    return Report(index, claims, problems)
+    return Report(index, claims, [*disturbances, *problems])
 
 
 def _draw(
@@ -158,6 +161,16 @@ def film_data(recording: Recording, path: Path) -> None:
         force_z=np.interp(time, recording.time(wrench), recording.series(wrench, "force")[:, 2]),
         limit_z=np.full(len(time), recording.meta["force_limit"][2]),
     )
+
+
+def _disturbances(measured: Mapping[str, Measures]) -> list[str]:
+    """Runs in which the machine did not keep time, so that what failed there may be the machine's doing."""
+    return [
+        f"{name}: the force sensor was silent for up to {1e3 * found.longest_gap:.0f} ms and the controller held still "
+        f"{100 * found.unhealthy:.0f} % of the time: the machine is overloaded or a process was disturbed"
+        for name, found in measured.items()
+        if found.longest_gap > GAP or found.unhealthy > HELD
+    ]
 
 
 def _notes(measured: Mapping[str, Measures]) -> list[str]:

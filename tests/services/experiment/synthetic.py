@@ -27,6 +27,7 @@ class Defect:
     stays_low: float = 0.0  # [m] missing at the end
     keeps_pressing: float = 0.0  # [N] over the limit with the bag on the ground
     swings: float = 0.0  # [N] amplitude of the load on the way down
+    stall: float = 0.0  # [s] during which no sample came
     force_x: float = 0.0  # [N] sideways while the light bag hangs
 
 
@@ -100,6 +101,11 @@ def _assemble(
             "force": forces,
             "torque": rng.normal(0, 0.01, (count, 3)),
             "error_bound": np.full((count, 6), ERROR_BOUND),
+        },
+        "sensor/ft": {"time": time[(time < 12.0) | (time > 12.0 + defect.stall)]},
+        "control/status": {
+            "time": time,
+            "state": np.where((time > 12.0) & (time < 12.0 + defect.stall), "braking", "tracking"),
         },
         "sim/world": {
             "time": time,
