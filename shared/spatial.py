@@ -26,7 +26,7 @@ def rotation_matrix(quaternion_xyzw: ArrayLike) -> Array:
     Raises:
         ValueError: if the quaternion has zero or non-finite norm.
     """
-    x, y, z, w = (float(value) for value in quaternion_xyzw)  # type: ignore[union-attr]
+    x, y, z, w = (float(value) for value in quaternion_xyzw)  # type: ignore[arg-type, union-attr]
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     if not 0.0 < norm < math.inf:
         raise ValueError(f"a quaternion of norm {norm} is no rotation")
@@ -81,7 +81,7 @@ def rotation_from_vector(vector: ArrayLike) -> Array:
 
 def quaternion_from_vector(vector: ArrayLike) -> Array:
     """Unit quaternion (4,) ``[x, y, z, w]`` of a rotation vector (3,) [rad]."""
-    x, y, z = (float(value) for value in vector)  # type: ignore[union-attr]
+    x, y, z = (float(value) for value in vector)  # type: ignore[arg-type, union-attr]
     angle = math.sqrt(x * x + y * y + z * z)
     scale = 0.5 if angle < _SMALL_ANGLE else math.sin(angle / 2) / angle
     return np.array((scale * x, scale * y, scale * z, math.cos(angle / 2)))
@@ -107,14 +107,14 @@ def rpy_from_rotation(rotation: Array) -> Array:
 
 def skew(vector: ArrayLike) -> Array:
     """Cross-product matrix (3, 3): ``skew(a) @ b`` equals ``a x b``."""
-    x, y, z = (float(value) for value in vector)  # type: ignore[union-attr]
+    x, y, z = (float(value) for value in vector)  # type: ignore[arg-type, union-attr]
     return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
 
 
 def cross(a: ArrayLike, b: ArrayLike) -> Array:
     """Cross product (3,) of two vectors (3,); a tenth of the time of numpy's general one."""
-    ax, ay, az = (float(value) for value in a)  # type: ignore[union-attr]
-    bx, by, bz = (float(value) for value in b)  # type: ignore[union-attr]
+    ax, ay, az = (float(value) for value in a)  # type: ignore[arg-type, union-attr]
+    bx, by, bz = (float(value) for value in b)  # type: ignore[arg-type, union-attr]
     return np.array((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
 
 
