@@ -32,9 +32,10 @@ class Caps:
 
     Attributes:
         refusal: why the limits cannot be kept, or None.
-        wall: wbar + eps (6,): what a measured wrench exceeds only if the limit is exceeded.
         start: theta = rho W (6,) with ``W = wbar - eps``.
         room: X = W - theta (6,).
+        most: C (6,), cap that nothing may pass at rest: W, and in the rounded form up to 2 eps less.
+        wall: C + 2 eps (6,): at rest no measured wrench is larger, so a larger one proves that the environment moved.
         levels: (2, 12) caps of the twelve rows, without and with the reserve, as long as nothing yields.
     """
 
@@ -43,7 +44,7 @@ class Caps:
         self._limits: list[float] = []
         self._errors = [0.0] * 6
         self.refusal: str | None = None
-        self.wall = self.start = self.room = [0.0] * 6
+        self.wall = self.start = self.room = self.most = [0.0] * 6
         self.levels = np.zeros((2, 12))
         self._levels_beyond = np.zeros((2, 12))
         self._kept = np.zeros(12)
@@ -62,19 +63,23 @@ class Caps:
             return
         error_bound = np.array(self._errors)
         W = limit - error_bound
-        self.wall = (limit + error_bound).tolist()
+        room = (1.0 - self._rho) * W
         self.start = (self._rho * W).tolist()
-        self.room = ((1.0 - self._rho) * W).tolist()
+        self.room = room.tolist()
+        # Proof of a moving environment comes the sooner the lower C is; half of the room is what yielding needs.
+        most = np.maximum(W - 2.0 * error_bound, W - 0.5 * room) if self._rho < 1.0 else W
+        self.most = most.tolist()
+        self.wall = (most + 2.0 * error_bound).tolist()
         # rho_i = max(reserve W_i, 3 eps_i): a smaller one would vanish in the measurement's error.
         self._kept = np.tile(np.maximum(self._reserve * W, 3.0 * error_bound), 2)
         self._fill(self.levels, self.rounded([0.0] * 6) if self._rho < 1.0 else W.tolist())
 
     def rounded(self, h: list[float]) -> list[float]:
-        """Caps (6,) ``A_i = theta_i + X_i sqrt(h_i^2 + left/6)``, ``left = max(0, 1 - |h|^2)``: corners cut round."""
+        """Caps (6,) ``A_i = min(C_i, theta_i + X_i sqrt(h_i^2 + left/6))``, ``left = max(0, 1 - |h|^2)``."""
         left = _SHARE * max(0.0, 1.0 - sum(value * value for value in h))
         return [
-            start + room * math.sqrt(value * value + left)
-            for start, room, value in zip(self.start, self.room, h, strict=True)
+            min(most, start + room * math.sqrt(value * value + left))
+            for most, start, room, value in zip(self.most, self.start, self.room, h, strict=True)
         ]
 
     def levels_at(self, h: list[float]) -> Array:

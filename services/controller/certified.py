@@ -1,8 +1,8 @@
 """The certified law: force limits that hold between samples too, for every contact within the declared bounds.
 
 ``v = y + p - q`` with ``p, q >= 0``. Twelve directed rows bound what p, q and everything in flight can add to each
-``|w_i|`` through Kbar; ``y`` is the yielding. Strict (``yield_start`` = 1) and rounded (< 1) differ in y and in the
-caps (docs/guarantee.md, "The law").
+``|w_i|`` through Kbar; ``y`` is the yielding, which keeps the same rows unless the environment has moved. Strict
+(``yield_start`` = 1) and rounded (< 1) differ in where y begins and in the caps (docs/guarantee.md, "The law").
 
 Twelve-vectors run over the directions of ``Travel``: element i is motion that makes w_i grow (q_i), element 6 + i
 motion that makes it fall (p_i); row i keeps w_i below its cap, row 6 + i keeps -w_i below it.
@@ -71,7 +71,7 @@ class CertifiedLaw(Law):
         closed = self._rows(state, yields)
         y = self._y
         if yields and self.rounded and closed:
-            # Retreat asks no row; nothing else may move while a row has no room.
+            # Nothing but the retreat may move while a row has no room.
             return LawOutput(y, np.sign(y), yielding=True)
         try:
             speeds, failure = self._solve(error, length, yields), None
@@ -118,13 +118,33 @@ class CertifiedLaw(Law):
         if y is None:
             self._y[:] = 0.0
             return False
-        # The direction of y is what it is proven for: never bent by a limit, only shortened.
-        reach = self.box.reach.tolist()
-        self._y[:] = scaled_into(y, [reach[6 + i] if y[i] > 0.0 else reach[i] for i in range(6)])
+        reach = self.box.reach
+        if self._yielding.moved:
+            np.clip(y, -reach[:6], reach[6:], out=self._y)
+        else:  # shortened as a whole, it still goes down the gradient
+            free = reach.tolist()
+            self._y[:] = scaled_into(y, [free[6 + i] if y[i] > 0.0 else free[i] for i in range(6)])
         np.negative(self._y, out=self._y_speeds[:6])
         self._y_speeds[6:] = self._y
         np.maximum(self._y_speeds, 0.0, out=self._y_speeds)
-        return True
+        if not self._yielding.moved:
+            self._keep_rows(state)
+        return bool(self._y_speeds.any())
+
+    def _keep_rows(self, state: LawInput) -> None:
+        """Shorten y to ``T M y <= max(0, C - (+-w) - M s)``: with that, at rest, y can carry no axis over its limit."""
+        most, w, speeds = self.caps.most, state.wrench.tolist(), self._y_speeds
+        room = np.array([most[i] - w[i] for i in range(6)] + [most[i] + w[i] for i in range(6)])
+        room -= np.dot(self._M, self.travel.in_flight)
+        shut = room <= 0.0
+        if shut.any():
+            speeds[(self._M[shut] > 0.0).any(axis=0)] = 0.0
+        used = self.parameters.period * np.dot(self._M, speeds)
+        if (used > np.maximum(room, 0.0)).any():
+            speeds *= min(
+                have / use for use, have in zip(used.tolist(), room.tolist(), strict=True) if use > have > 0.0
+            )
+        np.subtract(speeds[6:], speeds[:6], out=self._y)
 
     def _rows(self, state: LawInput, yields: bool) -> bool:
         """Room of every row as a speed, and the upper bounds of q and p; returns whether a row has none at all.

@@ -65,13 +65,15 @@ class Qp:
         self.time_limit = time_limit
         self.solve_us = 0.0
         self._timer = timer
+        self.weight = weight
         self._quadratic = np.asfortranarray(np.diag(2.0 * np.asarray(weight)))
         self._unbounded_below = np.full(m, -UNBOUNDED)
         self._excess = np.zeros(m + 2 * n)
         self._row_excess, self._lower_excess, self._upper_excess = np.split(self._excess, (m, m + n))
-        self._solver = self._new_solver()
+        self._solver = self.new_solver()
 
-    def _new_solver(self) -> piqp.DenseSolver:
+    def new_solver(self) -> piqp.DenseSolver:
+        """A solver set up with the present data and the settings that are used here."""
         solver = piqp.DenseSolver()
         solver.settings.eps_abs = 1e-9
         solver.settings.eps_rel = 0.0
@@ -131,5 +133,5 @@ class Qp:
         # Whatever the solver keeps from a bad problem must not reach the next one.
         problem = {name: getattr(self, name).tolist() for name in ("cost", "right", "lower", "upper", "rows")}
         problem["answer"] = [] if x is None else x.tolist()
-        self._solver = self._new_solver()
+        self._solver = self.new_solver()
         return QpFailure(f"quadratic program: {reason}", problem)

@@ -1,8 +1,8 @@
 """Giving way: the part ``y`` of the twist that retreats from a wrench, whatever the target wants.
 
-``StrictYield`` acts only beyond the limit, which at rest is never; ``RoundedYield`` begins earlier and moves down the
-gradient of the distance from a smaller box, which cannot raise that distance for any passive contact
-(docs/guarantee.md, "Yielding" and "The rounded box").
+Both forms move down the gradient of the distance of the wrench from a box, which cannot raise that distance for any
+passive contact (docs/guarantee.md, "Yielding"). ``StrictYield`` acts only beyond the limit, which at rest is never.
+``RoundedYield`` begins earlier; as long as nothing proves that the environment moves, the law keeps it within the rows.
 """
 
 from __future__ import annotations
@@ -59,6 +59,9 @@ class _Integral:
 class StrictYield:
     """Retreat in proportion to the excess over the limit plus its error bound."""
 
+    moved = True
+    """Whether the environment has moved: at rest the measured wrench never gets to where this form acts."""
+
     def __init__(self) -> None:
         self._integral = _Integral()
 
@@ -73,96 +76,93 @@ class StrictYield:
     ) -> list[float] | None:
         """Yielding velocity (6,) [m/s, rad/s], or None if there is none.
 
-        ``y_i = sign(w_i) excess_i / (x_i sum_{j over} (Kbar_ij / x_j) D)`` with ``x_i = sqrt(Kbar_ii)``, which makes
-        the sum of N/m and N/rad independent of the units.
+        Args:
+            wrench: w (6,) [N, Nm].
+            caps: yields from ``caps.wall``: a smaller measured wrench may still be within the limit.
+            bound: Kbar; its roots are the scale, which keeps N/m and Nm/rad apart.
+            speed: (6,) [m/s, rad/s] that the integral saturates at.
+            response_time: D [s].
+            dt: [s] since the last step.
+        """
+        y = down_the_gradient(wrench, caps.wall, bound.roots, bound, response_time)
+        if y is None and self._integral.at_rest:
+            return None
+        return self._integral.add(y or [0.0] * 6, wrench, speed, response_time, dt)
+
+
+class RoundedYield:
+    """Retreat from the box of ``yield_start`` limits.
+
+    At rest the distance is measured in the room left above the box, which is what the rounded caps share out. Once the
+    environment has moved it is measured in ``sqrt(Kbar_ii)``, in which no axis is much stiffer than another: that
+    follows faster. It stays so until the wrench is back in the box.
+
+    Attributes:
+        distance: h (6,), how far each axis is beyond its threshold, in units of the room left above it; V = |h|.
+        moved: whether a measured wrench has proven that the environment moves, and is not back in the box yet.
+    """
+
+    def __init__(self) -> None:
+        self._integral = _Integral()
+        self.distance = [0.0] * 6
+        self.moved = False
+
+    def step(
+        self,
+        wrench: Vector,
+        caps: Caps,
+        bound: StiffnessBound,
+        speed: Vector,
+        response_time: float,
+        dt: float,
+    ) -> list[float] | None:
+        """Yielding velocity (6,) [m/s, rad/s], or None if there is none.
 
         Args:
             wrench: w (6,) [N, Nm].
-            caps: yields from ``caps.wall``, wbar + eps: a smaller measured wrench may still be within the limit.
+            caps: threshold theta, room X above it, and the wall that no measured wrench passes at rest.
             bound: Kbar.
             speed: (6,) [m/s, rad/s] that the integral saturates at.
             response_time: D [s].
             dt: [s] since the last step.
         """
-        wall = caps.wall
-        over = [i for i in range(6) if abs(wrench[i]) > wall[i]]
-        if not over and self._integral.at_rest:
+        self.distance = [max(0.0, abs(wrench[i]) - caps.start[i]) / caps.room[i] for i in range(6)]
+        self.moved = self.moved or any(abs(wrench[i]) > caps.wall[i] for i in range(6))
+        scale = bound.roots if self.moved else caps.room
+        y = down_the_gradient(wrench, caps.start, scale, bound, response_time)
+        if y is None and self._integral.at_rest:
+            self.moved = False
             return None
-        y = [0.0] * 6
-        for i in over:
-            row, x = bound.rows[i], bound.roots
-            coupled = sum(row[j] / x[j] for j in over)
-            y[i] = math.copysign(abs(wrench[i]) - wall[i], wrench[i]) / (x[i] * coupled * response_time)
-        return self._integral.add(y, wrench, speed, response_time, dt)
+        return self._integral.add(y or [0.0] * 6, wrench, speed, response_time, dt)
 
 
-class RoundedYield:
-    """Retreat from the box of ``yield_start`` limits along the gradient of the distance from it.
+def down_the_gradient(
+    wrench: Vector, threshold: Vector, scale: Vector, bound: StiffnessBound, response_time: float
+) -> list[float] | None:
+    """``y_i = sign(w_i) max(0, |w_i| - threshold_i) / (scale_i^2 lambda_P D)`` (6,), or None if all are within.
 
-    Attributes:
-        distance: h (6,), how far each axis is beyond its threshold, in units of the room left above it; V = |h|.
+    lambda_P is the largest eigenvalue of ``scale^-1 K scale^-1`` that a contact can have on the axes P which are beyond
+    their thresholds, or which y would carry there: within D the squared distance then falls for any passive contact.
     """
-
-    def __init__(self) -> None:
-        self._integral = _Integral()
-        self._beyond = StrictYield()
-        self.distance = [0.0] * 6
-
-    def step(
-        self,
-        wrench: Vector,
-        caps: Caps,
-        bound: StiffnessBound,
-        speed: Vector,
-        response_time: float,
-        dt: float,
-    ) -> list[float] | None:
-        """Yielding velocity (6,) [m/s, rad/s], or None if there is none.
-
-        ``y_i = sign(w_i) h_i / (X_i lambda_P D)``, lambda_P the largest eigenvalue of ``X^-1 K X^-1`` that a contact
-        can have on the axes P beyond their thresholds, or that would be carried beyond them by y.
-
-        Args:
-            wrench: w (6,) [N, Nm].
-            caps: threshold theta, room X above it, and the wall beyond which the strict form's yielding takes over.
-            bound: Kbar.
-            speed: (6,) [m/s, rad/s] that the integrals saturate at.
-            response_time: D [s].
-            dt: [s] since the last step.
-        """
-        h = [max(0.0, abs(wrench[i]) - caps.start[i]) / caps.room[i] for i in range(6)]
-        self.distance = h
-        beyond = self._beyond.step(wrench, caps, bound, speed, response_time, dt)
-        pressed = [i for i in range(6) if h[i] > 0.0]
-        if not pressed and beyond is None and self._integral.at_rest:
-            return None
-        y = self._down_the_gradient(pressed, wrench, caps, bound, response_time)
-        y = self._integral.add(y, wrench, speed, response_time, dt)
-        if beyond is not None:
-            y = [max(pair, key=abs) for pair in zip(y, beyond, strict=True)]
-        return y
-
-    def _down_the_gradient(
-        self, pressed: list[int], wrench: Vector, caps: Caps, bound: StiffnessBound, response_time: float
-    ) -> list[float]:
-        if not pressed:
-            return [0.0] * 6
-        start, room = caps.start, caps.room
-        slope = [math.copysign(self.distance[i] / room[i], wrench[i]) for i in range(6)]
-        joined = list(pressed)
-        while True:
-            gain = 1.0 / (largest_stiffness(bound, joined, room) * response_time)
-            y = [gain * value for value in slope]
-            turned = [
-                j
-                for j in range(6)
-                if j not in joined
-                and response_time * sum(bound.rows[j][i] * abs(y[i]) for i in pressed)
-                > start[j] - abs(wrench[j])
-            ]
-            if not turned:
-                return y
-            joined += turned
+    excess = [max(0.0, abs(wrench[i]) - threshold[i]) for i in range(6)]
+    pressed = [i for i in range(6) if excess[i] > 0.0]
+    if not pressed:
+        return None
+    slope = [math.copysign(excess[i] / scale[i] ** 2, wrench[i]) for i in range(6)]
+    joined = list(pressed)
+    while True:
+        gain = 1.0 / (largest_stiffness(bound, joined, scale) * response_time)
+        y = [gain * value for value in slope]
+        turned = [
+            j
+            for j in range(6)
+            if j not in joined
+            and response_time * sum(bound.rows[j][i] * abs(y[i]) for i in pressed)
+            > threshold[j] - abs(wrench[j])
+        ]
+        if not turned:
+            return y
+        joined += turned
 
 
 def largest_stiffness(bound: StiffnessBound, axes: Sequence[int], room: Vector) -> float:
