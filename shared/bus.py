@@ -8,6 +8,7 @@ from typing import Protocol
 OnPayload = Callable[[bytes], None]
 Reply = Callable[[bytes], None]
 OnRequest = Callable[[bytes, Reply], None]
+Work = Callable[[bool], None]
 
 
 class NoReply(TimeoutError):
@@ -21,8 +22,15 @@ class Bus(Protocol):
         """Send a payload to every subscriber of the key."""
         ...
 
-    def subscribe(self, key: str, on_payload: OnPayload) -> None:
-        """Have every payload that arrives under the key handed over."""
+    def subscribe(self, key: str, on_payload: OnPayload, work: Work | None = None) -> None:
+        """Have every payload that arrives under the key handed over.
+
+        Args:
+            key: without the robot's prefix.
+            on_payload: given each payload; has to return at once.
+            work: called after whatever has arrived was handed over, in a thread in which it may take its time and use
+                the bus. It is told whether some of it arrived while the work before still lasted.
+        """
         ...
 
     def serve(self, key: str, on_request: OnRequest) -> None:

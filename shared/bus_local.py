@@ -6,7 +6,7 @@ import heapq
 from collections import defaultdict
 from collections.abc import Callable
 
-from shared.bus import NoReply, OnPayload, OnRequest
+from shared.bus import NoReply, OnPayload, OnRequest, Work
 from shared.clock import nanoseconds
 
 
@@ -74,9 +74,15 @@ class LocalBus:
         for on_payload in self._subscribers[key]:
             self._scheduler.at(due, lambda deliver=on_payload: deliver(payload))
 
-    def subscribe(self, key: str, on_payload: OnPayload) -> None:
-        """Have every payload under the key handed over."""
-        self._subscribers[key].append(on_payload)
+    def subscribe(self, key: str, on_payload: OnPayload, work: Work | None = None) -> None:
+        """Have every payload under the key handed over; in simulated time no work lasts."""
+
+        def deliver(payload: bytes) -> None:
+            on_payload(payload)
+            if work is not None:
+                work(False)
+
+        self._subscribers[key].append(deliver)
 
     def serve(self, key: str, on_request: OnRequest) -> None:
         """Answer queries under the key."""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import zenoh
 
-from shared.bus import NoReply, OnPayload, OnRequest
+from shared.bus import NoReply, OnPayload, OnRequest, Work
 from shared.codec import MAP_CAP
 from shared.topics import TOPICS
 
@@ -18,6 +18,8 @@ DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 _LEASE_MS = 1000
 """A peer that says nothing for this long is gone; Zenoh's default of ten seconds hides a hung process."""
 _LARGEST_MESSAGE = 2 * max(topic.cap for topic in TOPICS)
+_NEWEST = 16
+"""So many of the newest payloads are kept while a thread is busy; what matters is the last, the others are counted."""
 _ALIVE = "alive"
 _ENDPOINT = re.compile(r"(tcp|tls|udp|quic|ws)/[^?#]+:(?P<port>\d{1,5})([?#].*)?")
 
@@ -106,6 +108,22 @@ def _first_line(problem: Exception) -> str:
     return str(problem).splitlines()[0].split(" at /")[0][:200]
 
 
+def _follow(subscriber: zenoh.Subscriber, on_payload: OnPayload, work: Work) -> None:
+    """Hand over what arrives and do the work, until the session is closed."""
+    while True:
+        try:
+            sample = subscriber.try_recv()
+            behind = sample is not None
+            if sample is None:
+                sample = subscriber.recv()
+            while sample is not None:
+                on_payload(sample.payload.to_bytes())
+                sample = subscriber.try_recv()
+        except zenoh.ZError:
+            return
+        work(behind)
+
+
 class ZenohBus:
     """A client of one router, which it waits for and comes back to as long as it lives.
 
@@ -170,13 +188,22 @@ class ZenohBus:
                 )
         publisher.put(payload)
 
-    def subscribe(self, key: str, on_payload: OnPayload) -> None:
-        """Have every payload that arrives under the key handed over, from one of Zenoh's threads."""
+    def subscribe(self, key: str, on_payload: OnPayload, work: Work | None = None) -> None:
+        """Have every payload that arrives under the key handed over, from one of Zenoh's threads.
 
-        def on_sample(sample: zenoh.Sample) -> None:
-            on_payload(sample.payload.to_bytes())
+        With ``work`` the thread is one of this process, which sleeps inside Zenoh until a payload is there: to wake a
+        thread costs more than a control tick, so none is woken only to wake another.
+        """
+        if work is None:
 
-        self._declared.append(self._session.declare_subscriber(self._full(key), on_sample))
+            def on_sample(sample: zenoh.Sample) -> None:
+                on_payload(sample.payload.to_bytes())
+
+            self._declared.append(self._session.declare_subscriber(self._full(key), on_sample))
+            return
+        subscriber = self._session.declare_subscriber(self._full(key), zenoh.handlers.RingChannel(_NEWEST))
+        self._declared.append(subscriber)
+        threading.Thread(target=_follow, args=(subscriber, on_payload, work), name=key, daemon=True).start()
 
     def serve(self, key: str, on_request: OnRequest) -> None:
         """Answer queries under the key."""

@@ -50,29 +50,66 @@ def run(
         return complain(name, problem)
     except BusError as problem:
         return 0 if stop.requested else complain(name, problem)
-    runner = Runner(service, bus, SteadyClock(), wake=stop.wake.set, report=_report)
+    loop = Loop(stop)
+    runner = Runner(service, bus, SteadyClock(), stop.wake.set, loop.on_driver, _report)
     try:
-        loop(runner, stop)
+        loop.run(runner)
     finally:
         bus.close()
     return 0
 
 
-def loop(runner: Runner, stop: StopRequest) -> None:
-    """Poll the runner whenever it is woken or due, until a stop is requested; brake once more whatever ends it."""
-    clock = SteadyClock()
-    # What was built until here lives as long as the process: a collector that need not walk it stalls no tick.
-    gc.collect()
-    gc.freeze()
-    try:
-        while not stop.requested:
-            left = seconds(runner.next_deadline() - clock.now_ns())
-            if left > 0:
-                stop.wake.wait(left)
-            stop.wake.clear()
-            runner.poll()
-    finally:
-        runner.close()
+class Loop:
+    """Lets a runner work in the thread in which its driving topic arrives, and in the main thread for all else.
+
+    Args:
+        stop: ends the loop.
+    """
+
+    def __init__(self, stop: StopRequest) -> None:
+        self._stop = stop
+        self._turn = threading.Lock()
+        self._runner: Runner | None = None
+        self._failure: Exception | None = None
+        self._sleeps_until = 0
+
+    def on_driver(self, behind: bool) -> None:
+        """Work because of the driving topic, in the thread of the bus that brought it."""
+        with self._turn:
+            runner = self._runner
+            if runner is None:
+                return
+            try:
+                runner.poll(behind)
+                sooner = runner.next_deadline() < self._sleeps_until
+            except Exception as problem:
+                self._runner, self._failure, sooner = None, problem, True
+        if sooner:
+            self._stop.wake.set()
+
+    def run(self, runner: Runner) -> None:
+        """Poll the runner whenever it is woken or due, until a stop is requested; brake once more whatever ends it."""
+        clock = SteadyClock()
+        # What was built until here lives as long as the process: a collector that need not walk it stalls no tick.
+        gc.collect()
+        gc.freeze()
+        self._runner = runner
+        try:
+            while not self._stop.requested:
+                with self._turn:
+                    runner.poll()
+                    self._sleeps_until = runner.next_deadline()
+                left = seconds(self._sleeps_until - clock.now_ns())
+                if left > 0:
+                    self._stop.wake.wait(left)
+                self._stop.wake.clear()
+                # What fails in the other thread ends the process as it would here.
+                if self._failure is not None:
+                    raise self._failure
+        finally:
+            with self._turn:
+                self._runner = None
+                runner.close()
 
 
 def _report(line: str) -> None:

@@ -7,7 +7,7 @@ import secrets
 from collections.abc import Callable
 
 from shared import faults
-from shared.bus import Bus
+from shared.bus import Bus, Work
 from shared.clock import Clock, nanoseconds, seconds
 from shared.codec import encode
 from shared.faults import Fault
@@ -38,6 +38,8 @@ class Runner:
         bus: where it is connected.
         clock: the steady or the simulated clock.
         wake: called from any thread when ``poll`` has something to do.
+        work: called when the driving topic has something to do, in a thread that may call ``poll`` itself, with the
+            argument for it; ``wake`` if not given.
         report: told each change of the service's state, one line.
     """
 
@@ -47,12 +49,12 @@ class Runner:
         bus: Bus,
         clock: Clock,
         wake: Callable[[], None] = lambda: None,
+        work: Work | None = None,
         report: Callable[[str], None] = lambda line: None,
     ) -> None:
         self.service = service
         self._bus = bus
         self._clock = clock
-        self._wake = wake
         self._report = report
         self._session = secrets.randbits(62)
         self._sequence: dict[str, int] = {}
@@ -76,23 +78,24 @@ class Runner:
         self._health = HealthReporter(self)
         self._desk = QueryDesk(self.service, wake)
         for topic in dict.fromkeys((*wiring.required, *wiring.optional)):
-            inlet = Inlet(topic, clock, self._driven if topic == self._driver else None)
-            self.inlets[topic.key] = inlet
-            bus.subscribe(topic.key, inlet.offer)
+            inlet = self.inlets[topic.key] = Inlet(topic, clock)
+            driven = (work or (lambda _: wake())) if topic == self._driver else None
+            bus.subscribe(topic.key, inlet.offer, driven)
         for query in (*wiring.queries, *((wiring.parameters,) if wiring.parameters else ())):
             bus.serve(query.key, self._desk.inbox(query))
         bus.alive(wiring.name)
-
-    def _driven(self, _received: Received) -> None:
-        self._wake()
 
     def next_deadline(self) -> int:
         """When ``poll`` is due at the latest [ns], if nothing wakes it before."""
         work = self._next_tick if self._driver is None else self._next_brake
         return min(work, self._health.due)
 
-    def poll(self) -> None:
-        """Do what is due: a step or a brake first, then queries, then health."""
+    def poll(self, behind: bool = False) -> None:
+        """Do what is due: a step or a brake first, then queries, then health.
+
+        Args:
+            behind: the driver's newest message arrived while the last poll was still at work.
+        """
         now = self._clock.now_ns()
         if self._driver is None:
             if now >= self._next_tick:
@@ -100,7 +103,7 @@ class Runner:
         else:
             latest = self.inlets[self._driver.key].latest
             if latest is not None and latest.number != self._stepped:
-                self._on_sample(now, latest)
+                self._on_sample(now, latest, behind)
             elif now >= self._next_brake:
                 self._watch(now)
         self._desk.serve()
@@ -115,12 +118,12 @@ class Runner:
         if self._next_tick < done:
             self._next_tick = done + self._period_ns
 
-    def _on_sample(self, now: int, latest: Received) -> None:
+    def _on_sample(self, now: int, latest: Received, behind: bool) -> None:
         assert self._driver is not None
         inlet = self.inlets[self._driver.key]
         period_ns = nanoseconds(inlet.period)
         # From the first message that found the loop busy: several that the network delivers at once are no overrun.
-        since = inlet.waiting_since(self._stepped)
+        since = self._last_call if behind else inlet.waiting_since(self._stepped)
         self._stepped = latest.number
         self._call(now, self._input_fault(now) or self._stall(now - since, period_ns))
         done = self._clock.now_ns()

@@ -12,7 +12,7 @@ import time
 import numpy as np
 
 from benchmarks.latency.pacing import printed
-from shared.bus import OnPayload
+from shared.bus import OnPayload, Work
 from shared.bus_zenoh import ZenohBus
 from shared.client import Client
 from shared.clock import SteadyClock, seconds
@@ -42,17 +42,17 @@ class TimedBus(ZenohBus):
             self.puts.append(time.monotonic_ns())
         super().publish(key, payload)
 
-    def subscribe(self, key: str, on_payload: OnPayload) -> None:
+    def subscribe(self, key: str, on_payload: OnPayload, work: Work | None = None) -> None:
         """As the bus does; notes the instant of a command's arrival."""
         if key != COMMAND_EE_TWIST.key:
-            super().subscribe(key, on_payload)
+            super().subscribe(key, on_payload, work)
             return
 
         def timed(payload: bytes) -> None:
             self.arrivals.append(time.monotonic_ns())
             on_payload(payload)
 
-        super().subscribe(key, timed)
+        super().subscribe(key, timed, work)
 
 
 class Probe:

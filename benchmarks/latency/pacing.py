@@ -26,9 +26,10 @@ def paced(rate: float, seconds: float) -> Iterator[None]:
 def answers(puts: Sequence[int], arrivals: Sequence[int]) -> list[float | None]:
     """Latency [us] of each put's answer, None for a put that was never answered.
 
-    Answers come in order and at most one per put, but do not say which put caused them: a service that was late
-    answers the newest sample and passes over the older. From the last answer backwards each is matched with the newest
-    put that it can belong to: one before which no answer was due yet, and not impossibly fast (half the median).
+    An answer does not say which put caused it: a service that was late answers the newest sample and passes over the
+    older, and one that brakes speaks without having been asked. Each answer belongs to the newest put that it can
+    belong to, one that it does not follow impossibly fast (half the median); of several, the earlier ones belong to the
+    puts before as long as those have no answer of their own, and the rest to none.
 
     Args:
         puts: steady clock [ns] just before each put, ascending; mostly answered before the next one.
@@ -38,13 +39,14 @@ def answers(puts: Sequence[int], arrivals: Sequence[int]) -> list[float | None]:
         arrival - puts[after - 1] for arrival in arrivals if (after := bisect.bisect_left(puts, arrival))
     )
     least = since_put[len(since_put) // 2] // 2 if since_put else 0
+    newest = [bisect.bisect_right(puts, arrival - least) - 1 for arrival in arrivals]
+    taken = set(newest)
     matched: list[float | None] = [None] * len(puts)
-    free = len(puts)
-    for arrival in reversed(arrivals):
-        free = bisect.bisect_right(puts, arrival - least, 0, free) - 1
-        if free < 0:
-            break
-        matched[free] = (arrival - puts[free]) * 1e-3
+    for arrival, put in zip(reversed(arrivals), reversed(newest), strict=True):
+        while put >= 0 and matched[put] is not None:
+            put = put - 1 if put - 1 not in taken else -1
+        if put >= 0:
+            matched[put] = (arrival - puts[put]) * 1e-3
     return matched
 
 
