@@ -22,7 +22,8 @@ from shared.topics import Topic
 BRAKE_PERIOD = 0.05
 """Time [s] between two braking outputs while an input is silent."""
 REARM_AFTER = 0.1
-"""A fault that lasts longer than this [s] has to be followed by healthy inputs for the whole start-up time."""
+"""A fault, or an absence of the loop itself, that lasts longer than this [s] has to be followed by healthy inputs for
+the whole start-up time."""
 STALL_PERIODS = 5
 """A step that is late by more than this many periods brakes instead."""
 LONGEST_DT = 0.1
@@ -97,6 +98,9 @@ class Runner:
             behind: the driver's newest message arrived while the last poll was still at work.
         """
         now = self._clock.now_ns()
+        if now - self.next_deadline() > nanoseconds(REARM_AFTER):
+            # The whole process was stopped or starved: nobody watched the inputs meanwhile.
+            self._armed, self._healthy_since = not self.service.wiring.required, None
         if self._driver is None:
             if now >= self._next_tick:
                 self._tick(now)
@@ -190,7 +194,10 @@ class Runner:
         self.fault = fault
         for output in outputs:
             if output.payload is None:
-                self.publish(output.topic, output.message, output.valid and fault is None, output.late)
+                # The stamp says how old the content is, not when it got away: a process that is stopped in the middle
+                # of a step must not send what it computed before as if it were fresh.
+                stamp = now - nanoseconds(output.late)
+                self.publish(output.topic, output.message, output.valid and fault is None, stamp)
             else:
                 self._bus.publish(output.topic.key, output.payload)
         self._next_brake = self._brake_deadline(now)
@@ -227,11 +234,11 @@ class Runner:
             self._reported = kind
             self._report(f"{self.service.wiring.name}: {'working' if fault is None else fault.text}")
 
-    def publish(self, topic: Topic, message: Record, valid: bool = True, late: float = 0.0) -> None:
-        """Send one message with this process' header; ``late`` [s] is the age of its content."""
+    def publish(self, topic: Topic, message: Record, valid: bool = True, stamp: int | None = None) -> None:
+        """Send one message with this process' header; ``stamp`` [ns] is when its content was true, now if not given."""
         sequence = self._sequence.get(topic.key, 0)
         self._sequence[topic.key] = sequence + 1
-        stamp = self._clock.now_ns() - nanoseconds(late)
+        stamp = self._clock.now_ns() if stamp is None else stamp
         header = Header(sequence, self._session, stamp, valid)
         self._bus.publish(topic.key, encode(message, header))
 

@@ -53,8 +53,11 @@ def test_a_hung_controller_is_missed_and_goes_on_when_it_wakes(chain: Chain, rob
     chain.controller.signal(signal.SIGSTOP)
     silent(chain)
     eventually(lambda: "controller" not in chain.bus.living(), PATIENCE, "it is shown as lost")
+    first = len(chain.watch.commands)
     chain.controller.signal(signal.SIGCONT)
     chain.works("the woken one moves the tool")
+    # One may have been on its way when it was stopped; then it brakes for the start-up time.
+    assert not any(command.moves for command in chain.watch.commands[first + 1 : first + 4])
     chain.unharmed()
 
 

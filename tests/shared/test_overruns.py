@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from shared.bus_local import LocalBus, Scheduler
+from shared.codec import decode
 from shared.faults import FaultKind
+from shared.messages import Header, TwistCommand
 from shared.runner import LONGEST_DT, Runner
 from shared.timing import LoopTiming
-from shared.topics import STATE_EE, WRENCH_EXTERNAL
+from shared.topics import COMMAND_EE_TWIST, STATE_EE, WRENCH_EXTERNAL
 from tests.shared.rig import ManualClock, Publisher, Recorder, tool, wrench
 
 
@@ -17,7 +19,8 @@ class Loop:
         self.clock = ManualClock()
         self.scheduler = Scheduler()
         self.service = Recorder(**wiring)
-        self.runner = Runner(self.service, LocalBus(self.scheduler), self.clock)
+        self.bus = LocalBus(self.scheduler)
+        self.runner = Runner(self.service, self.bus, self.clock)
         self.wrench, self.ee = Publisher(self.clock), Publisher(self.clock)
         self.cost = 0.0
         self.service.on_step = lambda inputs: self.clock.advance(self.cost)
@@ -176,3 +179,27 @@ def test_latencies_are_those_of_the_last_second() -> None:
     assert p50 == 100.0 and p99 == 200.0
     clock.advance(2.0)
     assert timing.summary(clock.now) == (0.0, 0.0, 0.0)
+
+
+def test_after_an_absence_of_the_whole_process_it_arms_anew() -> None:
+    """Stopped and continued: the inputs are healthy again at the first look, but nobody watched them meanwhile."""
+    loop = Loop()
+    loop.working()
+    loop.clock.advance(2.0)
+    loop.run(45)
+    assert "step" not in loop.service.calls
+    loop.run(10)
+    assert loop.service.calls[-1] == "step"
+
+
+def test_a_process_stopped_within_a_step_does_not_pass_its_output_off_as_fresh() -> None:
+    loop = Loop()
+    loop.working()
+    headers: list[Header] = []
+    loop.bus.subscribe(COMMAND_EE_TWIST.key, lambda payload: headers.append(decode(TwistCommand, payload)[0]))
+    loop.cost = 1.0
+    before = loop.clock.now
+    loop.run(1)
+    loop.scheduler.run_until(0)
+    assert loop.clock.now - before > 10**9
+    assert headers[0].stamp - before == 10_000_000
