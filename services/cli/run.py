@@ -21,6 +21,7 @@ from services.cli.options import DEFAULT_ROBOT, Robot
 from services.cli.plan import DEFAULT_ENDPOINT, ROUTER, Plan, check_port, to_toml
 from services.cli.progress import Progress
 from services.cli.refusal import refuse
+from services.cli.studio import Studio
 from services.cli.up import Router
 
 POLL = 0.1  # [s]
@@ -56,18 +57,22 @@ def load(
     )
     with Children() as children:
         _router(children, router, folder)
-        failures = _play(chosen, protocol["duration"], folder, children, stop, (robot, router), parallel)
-        children.stop()
+        studio = Studio(folder / protocol["film"] if film else None, children)
+        failures = _play(
+            chosen, protocol["duration"], folder, children, stop, (robot, router), parallel, studio
+        )
+        console.print(
+            "waiting for the film, then judging and drawing" if studio.busy else "judging and drawing"
+        )
+        while studio.busy and not stop.wait(POLL):
+            pass
         if stop.is_set():
             refuse(f"interrupted; what was recorded lies in {folder}", INTERRUPTED)
-        for line in failures:
-            console.print(f"failed: {line}", style="red", highlight=False)
-        console.print("judging, drawing" + (", rendering the film" if film else ""))
-        report = children.start(
-            Child("experiment", _report_arguments(folder, protocol["film"] if film else "", chosen))
-        )
+        report = children.start(Child("experiment", _report_arguments(folder, chosen)))
         while report.status is None and not stop.wait(POLL):
             pass
+    for line in [*failures, *([f"no film: {studio.problem}"] if studio.problem else [])]:
+        console.print(f"failed: {line}", style="red", highlight=False, soft_wrap=True)
     _conclude(console, folder, report, failures)
 
 
@@ -79,6 +84,7 @@ def _play(
     stop: threading.Event,
     where: tuple[str, str],
     parallel: int,
+    studio: Studio,
 ) -> list[str]:
     """Plays all runs, `parallel` at a time; returns a line for each that did not complete."""
     robot, router = where
@@ -98,14 +104,23 @@ def _play(
                 if waiting and number not in lanes:
                     run = waiting.pop(0)
                     name = robot if number == 0 else f"{robot}-{number + 1}"
-                    target = folder / run["name"]
-                    target.mkdir(exist_ok=True)
-                    config = target / "config.toml"
-                    config.write_text(to_toml(run["settings"]), encoding="utf-8")
-                    lanes[number] = Lane(run, Plan(name, router, config), target, children)
+                    lanes[number] = Lane(
+                        run, Plan(name, router, _config(folder, run)), folder / run["name"], children
+                    )
+            if not waiting and (len(lanes) < parallel or not lanes):
+                studio.start_if_recorded()  # a core has become free
         for lane in lanes.values():
             lane.close()
+    studio.start_if_recorded()
     return failures
+
+
+def _config(folder: Path, run: dict[str, Any]) -> Path:
+    """The run's settings as a file that `tandem up --config` takes too."""
+    path = folder / run["name"] / "config.toml"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(to_toml(run["settings"]), encoding="utf-8")
+    return path
 
 
 def _router(children: Children, endpoint: str, folder: Path) -> None:
@@ -135,11 +150,11 @@ def _choose(runs: list[dict[str, Any]], names: str) -> list[dict[str, Any]]:
     return [known[name] for name in dict.fromkeys(wanted)]
 
 
-def _report_arguments(folder: Path, film: str, chosen: list[dict[str, Any]]) -> list[str]:
+def _report_arguments(folder: Path, chosen: list[dict[str, Any]]) -> list[str]:
     arguments = ["report", str(folder), "--ran", f"tandem {' '.join(sys.argv[1:])}"]
     for run in chosen:
         arguments += ["--ran", f"{run['name']}: tandem up --config {folder.name}/{run['name']}/config.toml"]
-    return arguments + (["--film", film] if film else [])
+    return arguments
 
 
 def _conclude(console: Console, folder: Path, report: Child, failures: list[str]) -> None:

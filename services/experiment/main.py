@@ -1,4 +1,4 @@
-"""Command line of the experiment: `plan`, `load` (one run against a running stack) and `report`."""
+"""Command line of the experiment: `plan`, `load` (one run against a running stack), `film` and `report`."""
 
 from __future__ import annotations
 
@@ -15,8 +15,10 @@ from typing import Any
 
 from services.experiment import protocol
 from services.experiment.experiment import Answered, LoadExperiment
+from services.experiment.film import FILM, render
 from services.experiment.protocol import RUNS, run_named
-from services.experiment.report import RECORDING, write
+from services.experiment.recording import RECORDING
+from services.experiment.report import write
 from services.experiment.sequence import ANSWER_WITHIN, Ask, Failed
 from shared.bus import Bus, NoReply
 from shared.bus_zenoh import BusError, ZenohBus
@@ -43,6 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         commands: dict[str, Callable[[argparse.Namespace], int]] = {
             "plan": _plan,
             "load": _load,
+            "film": _film,
             "report": _report,
         }
         return commands[options.command](options)
@@ -52,7 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(prog=f"python -m services.{NAME}", description=__doc__)
-    commands = parser.add_subparsers(dest="command", required=True, metavar="plan|load|report")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="plan|load|film|report")
     commands.add_parser("plan", help="print the runs and the settings that each needs, as JSON")
     load = commands.add_parser("load", help="play one run against the running stack and record it")
     shared = service_parser(NAME)
@@ -61,11 +64,10 @@ def _parser() -> argparse.ArgumentParser:
     load.add_argument("--run", required=True, metavar="NAME", help=", ".join(run.name for run in RUNS))
     load.add_argument("--out", type=Path, required=True, help="folder to put the recording into")
     load.add_argument("--json", action="store_true", help="progress as JSON, one object per line")
+    film = commands.add_parser("film", help="render a film of a recorded run")
+    film.add_argument("folder", type=Path, help="folder of the run's recording")
     report = commands.add_parser("report", help="judge the recordings in a folder and write its page")
     report.add_argument("folder", type=Path)
-    report.add_argument(
-        "--film", action="append", default=[], metavar="RUN", help="render a film of this run"
-    )
     report.add_argument(
         "--ran", action="append", default=[], metavar="TEXT", help="how it was run, for the page"
     )
@@ -78,8 +80,14 @@ def _plan(_options: argparse.Namespace) -> int:
     return 0
 
 
+def _film(options: argparse.Namespace) -> int:
+    problem = render(options.folder)
+    print(f"no film: {problem}" if problem else options.folder / FILM)
+    return 1 if problem else 0
+
+
 def _report(options: argparse.Namespace) -> int:
-    report = write(options.folder, options.film, options.ran)
+    report = write(options.folder, options.ran)
     for claim in report.claims:
         print(
             f"{'pass' if claim.passed else 'FAIL'}  {claim.run}: {claim.text}: {claim.figure} ({claim.limit})"

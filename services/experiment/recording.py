@@ -19,6 +19,7 @@ import numpy as np
 from shared.codec import Rejected, decode, decode_map
 from shared.topics import Topic, topic_by_key
 
+RECORDING = "recording.npz"  # its name in the folder of a run
 Columns = dict[str, np.ndarray]
 
 

@@ -5,27 +5,21 @@ from __future__ import annotations
 import dataclasses
 import json
 import platform
-import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from services.experiment import figures
+from services.experiment.film import FILM
 from services.experiment.judge import Claim, judge
 from services.experiment.measures import Measures, measure
 from services.experiment.page import page
 from services.experiment.protocol import FORCE_LIMIT, HEAVY, HOLD, LIGHT, RUNS, TORQUE_LIMIT, Run, unambiguous
-from services.experiment.recording import Recording
-from shared import topics
+from services.experiment.recording import RECORDING, Recording
 
-RECORDING = "recording.npz"
 GAP = 0.15  # [s] without a sample; the services latch a sensor failure after 0.1 s
 HELD = 0.02  # share of the time
-FILM = "scene.mp4"
-FILM_PATIENCE = 120.0  # [s] for rendering one film; the report does without it after that
 
 
 @dataclass(frozen=True)
@@ -37,12 +31,11 @@ class Report:
     problems: list[str]
 
 
-def write(folder: Path, films: Sequence[str] = (), commands: Sequence[str] = ()) -> Report:
+def write(folder: Path, commands: Sequence[str] = ()) -> Report:
     """Builds the report of all runs recorded under `folder` (one subfolder per run with its recording).
 
     Args:
         folder: where the runs lie and the page goes.
-        films: names of the runs to render a film of.
         commands: how it was run, for the page.
 
     Raises:
@@ -59,7 +52,7 @@ def write(folder: Path, films: Sequence[str] = (), commands: Sequence[str] = ())
 
     drawn = _draw(folder, runs, recordings, measured)
     files = {name: recording.write_csv(folder / name / "csv") for name, recording in recordings.items()}
-    rendered, problems = _films(folder, [name for name in films if name in runs], recordings)
+    films = {name: folder / name / FILM for name in runs if (folder / name / FILM).exists()}
     index = folder / "index.html"
     index.write_text(
         page(
@@ -70,7 +63,7 @@ def write(folder: Path, films: Sequence[str] = (), commands: Sequence[str] = ())
             drawn,
             {
                 f"{runs[name].title}: the recorded joint angles, rendered": path
-                for name, path in rendered.items()
+                for name, path in films.items()
             },
             _facts(recordings),
             files,
@@ -84,10 +77,10 @@ def write(folder: Path, films: Sequence[str] = (), commands: Sequence[str] = ())
     summary = {
         "claims": [dataclasses.asdict(claim) for claim in claims],
         "measures": {name: dataclasses.asdict(found) for name, found in measured.items()},
-        "problems": [*disturbances, *problems],
+        "problems": disturbances,
     }
     (folder / "claims.json").write_text(json.dumps(summary, indent=2), encoding="utf-8")
-    return Report(index, claims, [*disturbances, *problems])
+    return Report(index, claims, disturbances)
 
 
 def _draw(
@@ -113,54 +106,6 @@ def _draw(
         caption = f"{run.title}: every sample (pale) and the mean over 0.3 s."
         drawn.append((figures.save(figure, target / name)[0], caption))
     return drawn
-
-
-def _films(
-    folder: Path, names: Sequence[str], recordings: Mapping[str, Recording]
-) -> tuple[dict[str, Path], list[str]]:
-    """Renders one film per run in its own process: rendering needs the simulator, the report does not."""
-    films: dict[str, Path] = {}
-    problems = []
-    for name in names:
-        source, film = folder / name / "film.npz", folder / name / FILM
-        film_data(recordings[name], source)
-        try:
-            done = subprocess.run(
-                [sys.executable, "-m", "services.sim.film", str(source), str(film)],
-                capture_output=True,
-                text=True,
-                timeout=FILM_PATIENCE,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            problems.append(f"{name}: no film, rendering took over {FILM_PATIENCE:.0f} s")
-            continue
-        if done.returncode == 0 and film.exists():
-            films[name] = film
-        else:
-            said = (done.stderr.strip() or done.stdout.strip() or "it said nothing").splitlines()[-1]
-            problems.append(f"{name}: no film, services.sim.film ended with status {done.returncode}: {said}")
-    return films, problems
-
-
-def film_data(recording: Recording, path: Path) -> None:
-    """Writes what `services.sim.film` reads: joint angles, bag and load on the joints' time base."""
-    joints, world, wrench = topics.STATE_JOINTS.key, topics.SIM_WORLD.key, topics.WRENCH_EXTERNAL.key
-    time = recording.time(joints)
-    shown = time >= 0
-    time = time[shown]
-    bag_time = recording.time(world)
-    newest = np.clip(np.searchsorted(bag_time, time, side="right") - 1, 0, len(bag_time) - 1)
-    np.savez_compressed(
-        path,
-        time=time,
-        joint_names=recording.series(joints, "name")[0],
-        joint_positions=recording.series(joints, "position")[shown],
-        bag_mass=np.nan_to_num(recording.series(world, "bag.mass")[newest]),
-        bag_height=recording.series(world, "bag.height")[newest],
-        force_z=np.interp(time, recording.time(wrench), recording.series(wrench, "force")[:, 2]),
-        limit_z=np.full(len(time), recording.meta["force_limit"][2]),
-    )
 
 
 def _disturbances(measured: Mapping[str, Measures]) -> list[str]:

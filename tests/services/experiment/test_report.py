@@ -9,15 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from services.experiment import report
+from services.experiment import film, report
 from services.experiment.main import main
 from services.experiment.protocol import RUNS, run_named
+from services.experiment.recording import RECORDING
 from tests.services.experiment.synthetic import Defect, recording
 
 
 def put(folder: Path, name: str, defect: Defect | None = None) -> None:
     (folder / name).mkdir(parents=True)
-    recording(run_named(name), defect).save(folder / name / report.RECORDING)
+    recording(run_named(name), defect).save(folder / name / RECORDING)
 
 
 @pytest.fixture(scope="module")
@@ -70,18 +71,24 @@ def test_a_machine_that_stalled_is_named(tmp_path: Path) -> None:
     assert problems[0].startswith("paper-30: the force sensor was silent for up to 15")
 
 
-def test_a_film_that_cannot_be_made_is_a_note_and_no_failure(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_film_that_cannot_be_made_is_told_and_the_report_does_without(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     put(tmp_path, "certified-100")
-    monkeypatch.setattr(report.sys, "executable", "/bin/false")
-    written = report.write(tmp_path, films=["certified-100"])
-    assert written.index.exists()
-    assert any("no film" in problem for problem in written.problems)
+    monkeypatch.setattr(film.sys, "executable", "/bin/false")
+    assert main(["film", str(tmp_path / "certified-100")]) == 1
+    assert "no film: services.sim.film ended with status 1" in capsys.readouterr().out
+    assert "<video" not in report.write(tmp_path).index.read_text()
+
+
+def test_a_film_is_shown_on_the_page(tmp_path: Path) -> None:
+    put(tmp_path, "certified-100")
+    (tmp_path / "certified-100" / film.FILM).write_bytes(b"film")
+    assert 'src="certified-100/scene.mp4"' in report.write(tmp_path).index.read_text()
 
 
 def test_film_data_are_on_one_time_base(tmp_path: Path) -> None:
-    report.film_data(recording(run_named("certified-100")), tmp_path / "film.npz")
+    film.film_data(recording(run_named("certified-100")), tmp_path / "film.npz")
     with np.load(tmp_path / "film.npz") as data:
         count = len(data["time"])
         assert data["time"][0] >= 0.0
