@@ -136,5 +136,5 @@ def pose_error(
     """Pose error (6,) ``[p - p_hat; theta]`` [m, rad], theta the rotation vector of ``R R_hat^T`` in base axes."""
     error = np.empty(6)
     np.subtract(position, target_position, out=error[:3])
-    error[3:] = rotation_vector(rotation @ target_rotation.T)
+    error[3:] = rotation_vector(rotation.dot(target_rotation.T))  # half the time of @ for so small a product
     return error

@@ -44,6 +44,7 @@ class Caps:
         self._limits: list[float] = []
         self._errors = [0.0] * 6
         self.refusal: str | None = None
+        self.force = [0.0] * 3
         self.wall = self.start = self.room = self.most = [0.0] * 6
         self.levels = np.zeros((2, 12))
         self._levels_beyond = np.zeros((2, 12))
@@ -62,6 +63,7 @@ class Caps:
         if self.refusal is not None:
             return
         error_bound = np.array(self._errors)
+        self.force = limits[:3]
         W = limit - error_bound
         room = (1.0 - self._rho) * W
         self.start = (self._rho * W).tolist()

@@ -86,10 +86,9 @@ class CertifiedLaw(Law):
     def _update_bound(self, state: LawInput) -> None:
         """Kbar for this attitude, and the rows' matrix ``M = [Kbar, L; L, Kbar]``."""
         # F = wbar + |nominal force| bounds the sum of the contacts' forces where they do not squeeze.
-        force = [
-            limit + abs(own)
-            for limit, own in zip(state.limit.tolist()[:3], state.nominal.tolist()[:3], strict=True)
-        ]
+        x, y, z = self.caps.force
+        nx, ny, nz = state.nominal.tolist()[:3]
+        force = [x + abs(nx), y + abs(ny), z + abs(nz)]
         turns = self.travel.in_flight.tolist()
         in_flight = max(turns[3] + turns[9], turns[4] + turns[10], turns[5] + turns[11])
         bound = self.bound
@@ -179,13 +178,15 @@ class CertifiedLaw(Law):
 
     def _solve(self, error: Array, length: float, yields: bool) -> Array:
         """Speeds q, p (12,) for which every row holds, whatever the solver answers."""
-        qp, room = self.qp, self._now[0]
+        qp, room, slack = self.qp, self._now[0], self._slack
+        slack[:] = 0.0
         qp.right[:12] = room
         upper = qp.upper[:12]
-        np.multiply(upper, upper > CLOSED, out=upper)
-        if min(room.tolist()) < CLOSED:
+        if min(upper.tolist()) < CLOSED:
+            upper[upper < CLOSED] = 0.0
+        shut = room < CLOSED if min(room.tolist()) < CLOSED else None
+        if shut is not None:
             # A closed row fixes every variable that it counts, and need not be passed.
-            shut = room < CLOSED
             upper[(self._scaled[shut] > 0.0).any(axis=0)] = 0.0
             qp.right[:12][shut] = 1.0
         unit = self._unit_error(error, length)
@@ -193,33 +194,34 @@ class CertifiedLaw(Law):
         qp.rows[_LYAPUNOV, 6:12] = unit
         # The last variable is (gamma - (lambda/2)|e|^2)/|e|, a speed: (e/|e|).v - it <= 0, it >= -(lambda/2)|e|.
         qp.lower[_GAMMA] = -0.5 * self.parameters.lyapunov_rate * length
-        if yields:
-            # |y + p - q|^2 and e.(y + p - q) with y given.
-            np.multiply(self._y, -2.0, out=qp.cost[:6])
-            np.multiply(self._y, 2.0, out=qp.cost[6:12])
-            qp.right[_LYAPUNOV] = -float(unit.dot(self._y))
-        else:
-            qp.cost[:12] = 0.0
-            qp.right[_LYAPUNOV] = 0.0
         qp.cost[_GAMMA] = self.parameters.relaxation_weight * length
-        speeds = np.minimum(qp.solve()[:12], upper)
-        np.maximum(speeds, 0.0, out=speeds)
-        used = np.dot(self._scaled, speeds)
-        np.subtract(room, used, out=self._slack)
-        if min(self._slack.tolist()) < 0.0:
-            # The feasible set is star-shaped about 0: shortening q and p until the rows hold keeps every one of them.
-            factor = min(
-                have / use for use, have in zip(used.tolist(), room.tolist(), strict=True) if use > have
-            )
-            speeds *= factor
-            np.subtract(room, factor * used, out=self._slack)
+        # |y + p - q|^2 and e.(y + p - q) with y given.
+        np.multiply(self._y, -2.0, out=qp.cost[:6])
+        np.multiply(self._y, 2.0, out=qp.cost[6:12])
+        qp.right[_LYAPUNOV] = -float(unit.dot(self._y)) if yields else 0.0
+        speeds = qp.solve()[:12]
+        np.copyto(slack, qp.slack[:12])
+        if shut is not None:
+            slack[shut] = room[shut]
+        if min(slack.tolist()) < 0.0:
+            self._shorten(speeds)
         return speeds
+
+    def _shorten(self, speeds: Array) -> None:
+        """Shorten q, p (12,) in place until the rows hold: the feasible set is star-shaped about 0, so they all do."""
+        room = self._now[0]
+        used = np.dot(self._scaled, speeds)
+        over = used > room
+        factor = float((room[over] / used[over]).min(initial=1.0))
+        speeds *= factor
+        np.subtract(room, factor * used, out=self._slack)
 
     def _active(self, state: LawInput, speeds: Array) -> tuple[Array, bool]:
         """Which limits bound the motion (6,), and whether one does so under load rather than as a precaution."""
         left = np.minimum(self._slack, self._now[1] - speeds).tolist()
         if min(left) > TOLERANCE:
             return self._rest, False
-        active = [(left[i] <= TOLERANCE) - (left[6 + i] <= TOLERANCE) for i in range(6)]
+        tight = [room <= TOLERANCE for room in left]
+        active = [up - down for up, down in zip(tight[:6], tight[6:], strict=True)]
         loaded = zip(active, state.wrench.tolist(), state.error_bound.tolist(), strict=True)
         return np.array(active, dtype=float), any(side * w > eps for side, w, eps in loaded)

@@ -16,7 +16,7 @@ import numpy as np
 
 from shared.spatial import Array
 
-TURN_QUANTUM = 0.004
+TURN_QUANTUM = 0.006
 """Rotation [rad] that a bound is widened by beyond what is needed now, so that it can be used for some ticks."""
 
 _NEXT = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
@@ -135,10 +135,10 @@ class StiffnessBound:
             turn: [rad] bound on the rotation about each base axis, in flight and to come.
             force: (3,) [N] bound on the sum of the contacts' forces in base axes.
         """
-        difference = rotation - self._rotation
+        difference = (rotation - self._rotation).ravel()
         # |R - Rc|_F = 2 sqrt(2) sin(angle/2); the factor 0.72 > 1/sqrt(2) keeps the angle's bound above the angle
         # up to half a radian, and a larger difference always recomputes.
-        square = float(np.vdot(difference, difference))
+        square = float(difference.dot(difference))
         needed = turn + (0.72 * math.sqrt(square) if square < 0.1 else math.inf)
         if needed <= self._turn < needed + 2.0 * TURN_QUANTUM and self._force == force:
             return

@@ -109,8 +109,10 @@ class Law(ABC):
         self.travel.advance(dt)
         error = pose_error(state.position, state.rotation, state.target_position, state.target_rotation)
         square = float(error.dot(error))
-        wrenches = (state.wrench, state.limit, state.error_bound, state.nominal)
-        if not math.isfinite(square + sum(float(wrench.dot(wrench)) for wrench in wrenches)):
+        total = square
+        for vector in (state.wrench, state.limit, state.error_bound, state.nominal):
+            total += float(vector.dot(vector))
+        if not math.isfinite(total):
             return self._finish(LawOutput(self._rest, self._rest, failure="an input is not finite"))
         self.box.update(state.rotation, self.travel.speeds, dt)
         output = self._move(state, error, math.sqrt(square), dt)
@@ -134,9 +136,9 @@ class Law(ABC):
         twist = self.box.shortened(output.twist)
         if not math.isfinite(float(twist.dot(twist))):
             output = LawOutput(self._rest, self._rest, failure="the twist is not finite")
-            twist = self._rest
+            twist = self._rest.copy()
         self.travel.command(twist)
-        output.twist = twist.copy()
+        output.twist = twist
         if error is not None:
             rate = float(error.dot(twist)) + self.parameters.lyapunov_rate * output.lyapunov
             output.relaxation = max(0.0, rate)

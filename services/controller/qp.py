@@ -68,8 +68,7 @@ class Qp:
         self.weight = weight
         self._quadratic = np.asfortranarray(np.diag(2.0 * np.asarray(weight)))
         self._unbounded_below = np.full(m, -UNBOUNDED)
-        self._excess = np.zeros(m + 2 * n)
-        self._row_excess, self._lower_excess, self._upper_excess = np.split(self._excess, (m, m + n))
+        self.slack = np.zeros(m)
         self._solver = self.new_solver()
 
     def new_solver(self) -> piqp.DenseSolver:
@@ -95,7 +94,7 @@ class Qp:
         return solver
 
     def solve(self) -> Array:
-        """The minimiser (n,).
+        """The minimiser (n,), exactly within the bounds; ``slack`` (m,) is what it leaves of each row.
 
         Raises:
             QpFailure: non-finite data, not solved, too slow, or an answer that breaks a constraint.
@@ -115,14 +114,12 @@ class Qp:
             )
         if not math.isfinite(x.dot(x)):
             raise self._failure("the solver's answer is not finite", x)
-        np.dot(self.rows, x, out=self._row_excess)
-        self._row_excess -= self.right
-        np.subtract(self.lower, x, out=self._lower_excess)
-        np.subtract(x, self.upper, out=self._upper_excess)
-        worst = max(self._excess.tolist())  # finite by now, and faster than an array's maximum
+        inside = np.minimum(np.maximum(x, self.lower), self.upper)
+        np.subtract(self.right, np.dot(self.rows, inside), out=self.slack)
+        worst = max(-min(self.slack.tolist()), max(np.abs(inside - x).tolist()))
         if worst > TOLERANCE:
             raise self._failure(f"the solver's answer breaks a constraint by {worst:.1e}", x)
-        return x
+        return inside
 
     def _minimise(self) -> tuple[piqp.Status, Array]:
         self._solver.update(c=self.cost, G=self.rows, h_u=self.right, x_l=self.lower, x_u=self.upper)

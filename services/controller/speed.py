@@ -61,8 +61,8 @@ class SpeedBox:
             speeds: (12,) of the command that acts until now.
             dt: [s] since the last command.
         """
-        difference = rotation - self._rotation
-        if not float(np.vdot(difference, difference)) < _TURN**2:
+        difference = (rotation - self._rotation).ravel()
+        if not difference.dot(difference) < _TURN**2:
             self._turn_to(rotation)
         np.multiply(self._acceleration, min(dt, self._period), out=self.reach)
         self.reach += speeds
@@ -91,4 +91,4 @@ class SpeedBox:
         linear, angular = math.sqrt(x * x + y * y + z * z), math.sqrt(a * a + b * b + c * c)
         excess = max(linear / self._linear, angular / self._angular)
         # Written so that a norm which is not a number is passed on, for whoever checks the twist.
-        return twist / excess if excess > 1.0 else twist
+        return twist / excess if excess > 1.0 else twist.copy()

@@ -65,7 +65,10 @@ class Travel:
             else:  # the robot zeroes a command that is older than T
                 self.speeds[:] = 0.0
                 self._push(dt - held)
-            self._tail *= math.exp(-dt / self.lag) if self.lag > 0.0 else 0.0
+            if self.lag > 0.0:
+                self._tail *= math.exp(-dt / self.lag)
+            else:
+                self._tail[:] = 0.0
         self._weigh()
         return self.in_flight
 

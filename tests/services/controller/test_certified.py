@@ -182,7 +182,7 @@ def test_free_approach_reaches_the_certified_speed_without_stopping(axis: int, y
     for _ in range(200):
         speeds.append(law.step(state(target=far[:3], target_turn=far[3:]), 0.01).twist[axis])
     assert np.all(np.array(speeds) >= 0.97 * certified)
-    assert np.all(np.array(speeds) <= 1.05 * certified)
+    assert np.all(np.array(speeds) <= 1.1 * certified)
 
 
 def test_what_is_in_flight_survives_braking_and_a_change_of_law() -> None:
@@ -198,22 +198,50 @@ def test_what_is_in_flight_survives_braking_and_a_change_of_law() -> None:
     assert back.travel.in_flight[6] > 0.0
 
 
-def test_direction_of_yielding_is_kept_by_every_limit() -> None:
+def test_yielding_at_rest_keeps_its_direction_or_what_the_rows_leave_of_it() -> None:
     rng = np.random.default_rng(8)
     slow = {"max_linear": 0.02, "max_angular": 0.03, "max_acceleration": (0.5, 1.0, 0.2, 3.0, 0.4, 1.0)}
-    compared = 0
-    for _ in range(100):
+    kept = 0
+    for _ in range(200):
         law = make(yield_start=0.8, **slow)
-        wrench = LIMIT * unit(rng, 6) * rng.uniform(0.8, 3)
-        output = law.step(state(wrench), 0.01)
+        output = law.step(state(LIMIT * unit(rng, 6) * rng.uniform(0.8, 3)), 0.01)
         assert np.linalg.norm(output.twist[:3]) <= 0.02 * (1 + 1e-9)
         assert np.linalg.norm(output.twist[3:]) <= 0.03 * (1 + 1e-9)
+        wrench = np.zeros(6)
+        wrench[rng.integers(6)] = 1.0
+        law = make(yield_start=0.8, **slow)
+        law.step(state(wrench * LIMIT * 0.86), 0.01)
         free = RoundedYield().step(
-            wrench.tolist(), law.caps, law.bound, law.box.speed, law.response_time, 0.01
+            (wrench * LIMIT * 0.86).tolist(), law.caps, law.bound, law.box.speed, law.response_time, 0.01
         )
         if free is not None and law._y.any():
-            compared += 1
+            kept += 1
             assert law._y / np.linalg.norm(law._y) == pytest.approx(
                 np.array(free) / np.linalg.norm(free), abs=1e-9
             )
-    assert compared > 50
+    assert kept > 50
+
+
+def test_yielding_at_rest_keeps_the_rows_with_everything_in_flight() -> None:
+    """The step that makes the rounded form's proof complete: no y can carry any axis beyond its cap C."""
+    rng = np.random.default_rng(9)
+    shortened = 0
+    for _ in range(300):
+        law = make(yield_start=0.8, delay=0.03)
+        for _ in range(rng.integers(1, 6)):
+            law.step(state(LIMIT * rng.uniform(-0.9, 0.9, 6), target=rng.uniform(-1, 1, 3)), 0.01)
+        wrench = LIMIT * rng.uniform(-0.93, 0.93, 6)
+        law.step(state(wrench), 0.01)
+        if law._yielding.moved:
+            continue
+        y = np.concatenate((-law._y, law._y)).clip(min=0.0)
+        most = np.tile(law.caps.most, 2)
+        # What was in flight before this command: the rows were set with it.
+        flight = law.travel.in_flight
+        room = most - np.concatenate((wrench, -wrench)) - law._M @ flight
+        assert np.all(law.parameters.period * law._M @ y <= np.maximum(room, 0.0) + 1e-9)
+        free = RoundedYield().step(
+            wrench.tolist(), law.caps, law.bound, law.box.speed, law.response_time, 0.01
+        )
+        shortened += free is not None and not np.allclose(law._y, free)
+    assert shortened > 20
