@@ -11,10 +11,11 @@ A tare knows only the sum at one orientation; an identified payload knows m, h, 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
-from shared.spatial import Array, cross
+from shared.spatial import Array, cross, skew
 
 GRAVITY = 9.81
 """Standard gravity as the contract rounds it [m/s^2]."""
@@ -70,8 +71,13 @@ class Compensation:
     def offset(self, rotation: Array) -> Array:
         """What to subtract (6,) [N, Nm] from a reading taken with the sensor at ``rotation`` in base."""
         if self.kind == "payload":
-            return self.bias + payload_wrench(self.mass, self.moment, rotation)
+            return self.bias + self._weight_of_up @ rotation[2]
         return self.bias
+
+    @cached_property
+    def _weight_of_up(self) -> Array:
+        """`payload_wrench` as a matrix (6, 3) that acts on base's z axis in sensor axes."""
+        return -GRAVITY * np.vstack((self.mass * np.eye(3), skew(self.moment)))
 
     def tared(self, reading: Array, error: Array, noise: Array, rotation: Array) -> Compensation:
         """This compensation after a tare: the average ``reading`` (6,) is what nothing touching looks like.
