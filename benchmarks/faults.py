@@ -1,0 +1,258 @@
+"""Faults injected from outside the processes: how soon the robot's gate brakes, and how soon all is well again.
+
+``python -m benchmarks.faults [--quick]`` prints the table of docs/faults.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import signal
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import msgpack
+
+from benchmarks.fault_robot import LEVEL, POSITION, FaultRobot, healthy
+from benchmarks.table import Row, at_most
+from shared.bus import NoReply
+from shared.client import Client
+from shared.messages import ControlTarget, Stop
+from shared.parameters import Refused
+from shared.topics import CONTROL_TARGET, SENSOR_FT, STOP, WRENCH_TARE
+from tests.support.ports import free_endpoint
+from tests.support.processes import Process
+
+COMMAND = "python -m benchmarks.faults"
+LONGEST_WAIT = 30.0
+
+
+class Stack:
+    """Router, wrench and controller as processes, and a robot in this one."""
+
+    def __init__(self, processes: ExitStack) -> None:
+        self._processes = processes
+        self._folder = Path(processes.enter_context(tempfile.TemporaryDirectory()))
+        self._count = 0
+        self.endpoint = free_endpoint()
+        self.router = self.start_router()
+        self.wrench, self.controller = self.start("wrench"), self.start("controller")
+        self.robot = FaultRobot(self.endpoint)
+        processes.callback(self.robot.close)
+        self.client = Client(self.robot.bus)
+        wait(self._tared)
+
+    def start(self, service: str) -> Process:
+        """A service process with its defaults."""
+        return self._process(service, "--connect")
+
+    def start_router(self) -> Process:
+        """A router in the place of one that is no more."""
+        router = self._process("router", "--listen")
+        router.wait_for_output("listening")
+        return router
+
+    def _process(self, service: str, option: str) -> Process:
+        self._count += 1
+        output = self._folder / f"{self._count}-{service}.log"
+        environment = {"XDG_STATE_HOME": str(self._folder)}
+        process = Process(f"services.{service}", (option, self.endpoint), output, environment)
+        return self._processes.enter_context(process)
+
+    def _tared(self) -> bool:
+        try:
+            return self.client.ask(WRENCH_TARE, {"duration": 0.5})["ok"] is True
+        except (NoReply, Refused):
+            return False
+
+    def work(self) -> None:
+        """Wait for steady motion."""
+        target = ControlTarget((POSITION[0] + 0.3, *POSITION[1:]), LEVEL, (25.0,) * 3, (10.0,) * 3)
+
+        def moves() -> bool:
+            self.client.publish(CONTROL_TARGET, target)
+            self.client.publish(STOP, Stop(False, "benchmark"))
+            return self.robot.moves_for(0.3)
+
+        wait(moves, 0.05)
+
+
+def wait(condition: Callable[[], bool], interval: float = 0.001) -> None:
+    """Until a condition holds.
+
+    Raises:
+        TimeoutError: if it did not for half a minute.
+    """
+    deadline = time.monotonic() + LONGEST_WAIT
+    while not condition():
+        if time.monotonic() > deadline:
+            raise TimeoutError(f"{getattr(condition, '__qualname__', condition)} did not come true")
+        time.sleep(interval)
+
+
+@dataclass
+class Fault:
+    """One fault.
+
+    Attributes:
+        name: as docs/faults.md calls it.
+        promise: time [s] within which the gate has to brake.
+        inject: does it; returns its onset [ns].
+        mend: undoes it.
+        braked, back: measured times [s] until the gate braked, and from the mending, the start of a process included, until the robot
+            moved again.
+    """
+
+    name: str
+    promise: float
+    inject: Callable[[Stack], int]
+    mend: Callable[[Stack], None]
+    braked: list[float] = field(default_factory=list)
+    back: list[float] = field(default_factory=list)
+
+    def measure(self, stack: Stack) -> None:
+        """Inject it once into working processes."""
+        stack.work()
+        onset = self.inject(stack)
+        robot = stack.robot
+        wait(lambda: robot.stopped_ns > onset)
+        self.braked.append((robot.stopped_ns - onset) * 1e-9)
+        # Whatever moves on after all is found here: the robot has to stay where it is.
+        time.sleep(0.15)
+        if robot.moving:
+            self.braked[-1] = math.inf
+        mended = time.monotonic_ns()
+        self.mend(stack)
+        stack.work()
+        self.back.append((robot.moving_ns - mended) * 1e-9)
+
+
+def _spoil(change: Callable[[bytes], tuple[bytes, ...]]) -> Callable[[Stack], int]:
+    def inject(stack: Stack) -> int:
+        stack.robot.spoil = lambda key, payload: change(payload) if key == SENSOR_FT.key else (payload,)
+        time.sleep(0.012)
+        return stack.robot.last_sent_ns
+
+    return inject
+
+
+def _altered(payload: bytes, **fields: object) -> tuple[bytes, ...]:
+    return (msgpack.packb({**msgpack.unpackb(payload), **fields}),)
+
+
+def _sound(stack: Stack) -> None:
+    stack.robot.spoil = healthy
+
+
+def _signal(name: str, number: signal.Signals) -> Callable[[Stack], int]:
+    def inject(stack: Stack) -> int:
+        onset = time.monotonic_ns()
+        process: Process = getattr(stack, name)
+        process.signal(number)
+        return onset
+
+    return inject
+
+
+def _restart(name: str) -> Callable[[Stack], None]:
+    def mend(stack: Stack) -> None:
+        getattr(stack, name).wait()
+        setattr(stack, name, stack.start_router() if name == "router" else stack.start(name))
+
+    return mend
+
+
+def _wake(name: str) -> Callable[[Stack], None]:
+    return lambda stack: getattr(stack, name).signal(signal.SIGCONT)
+
+
+def _stop(stack: Stack) -> int:
+    onset = time.monotonic_ns()
+    stack.client.publish(STOP, Stop(True, "benchmark"))
+    return onset
+
+
+def _faults() -> list[Fault]:
+    nothing: Callable[[bytes], tuple[bytes, ...]] = lambda payload: ()  # noqa: E731
+    return [
+        Fault("force-torque samples stop", 0.05, _spoil(nothing), _sound),
+        Fault(
+            "a force is not a number",
+            0.05,
+            _spoil(lambda payload: _altered(payload, force=[0.0, math.nan, 0.0])),
+            _sound,
+        ),
+        Fault("garbage in place of samples", 0.05, _spoil(lambda payload: (b"\xc1" * 100,)), _sound),
+        Fault("a megabyte in place of each sample", 0.05, _spoil(lambda payload: (bytes(10**6),)), _sound),
+        Fault(
+            "one axis of the sensor stuck",
+            0.12,
+            _spoil(lambda payload: _altered(payload, force=[1.25, *msgpack.unpackb(payload)["force"][1:]])),
+            _sound,
+        ),
+        Fault(
+            "samples come 50 ms late, declared are 20",
+            0.06,
+            _spoil(lambda payload: _altered(payload, stamp=msgpack.unpackb(payload)["stamp"] - 50_000_000)),
+            _sound,
+        ),
+        Fault("stop engaged", 0.02, _stop, lambda stack: None),
+        Fault("controller killed", 0.06, _signal("controller", signal.SIGKILL), _restart("controller")),
+        Fault("controller hung", 0.06, _signal("controller", signal.SIGSTOP), _wake("controller")),
+        Fault("wrench killed", 0.06, _signal("wrench", signal.SIGKILL), _restart("wrench")),
+        Fault("wrench hung", 0.06, _signal("wrench", signal.SIGSTOP), _wake("wrench")),
+        Fault("router killed", 0.06, _signal("router", signal.SIGKILL), _restart("router")),
+        Fault("router hung", 0.06, _signal("router", signal.SIGSTOP), _wake("router")),
+    ]
+
+
+def measured(repeats: int) -> list[Fault]:
+    """Every fault, injected so many times."""
+    with ExitStack() as processes:
+        stack = Stack(processes)
+        faults = _faults()
+        for fault in faults:
+            for _ in range(repeats):
+                fault.measure(stack)
+    return faults
+
+
+def quantile(values: list[float], share: float) -> float:
+    """The smallest value that at least this share of the values does not exceed."""
+    return sorted(values)[max(0, math.ceil(share * len(values)) - 1)]
+
+
+def rows(quick: bool) -> list[Row]:
+    """One row per fault for the table of all benchmarks."""
+    return [
+        at_most(
+            f"{fault.name}: gate brakes",
+            1e3 * quantile(fault.braked, 0.99),
+            1e3 * fault.promise,
+            "ms",
+            COMMAND,
+        )
+        for fault in measured(5 if quick else 30)
+    ]
+
+
+def main() -> None:
+    """Print the table of docs/faults.md."""
+    parser = argparse.ArgumentParser(prog=COMMAND, description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="5 instead of 30 injections of each fault")
+    quick = parser.parse_args().quick
+    print("| fault | promise [ms] | p50 [ms] | p99 [ms] | max [ms] | moving again after [s], p50 | n |")
+    print("|---|---|---|---|---|---|---|")
+    for fault in measured(5 if quick else 30):
+        braked = [quantile(fault.braked, share) * 1e3 for share in (0.5, 0.99, 1.0)]
+        figures = " | ".join(f"{value:.0f}" for value in braked)
+        back = quantile(fault.back, 0.5)
+        print(f"| {fault.name} | {fault.promise * 1e3:.0f} | {figures} | {back:.1f} | {len(fault.braked)} |")
+
+
+if __name__ == "__main__":
+    main()
