@@ -103,8 +103,8 @@ class Fault:
         promise: time [s] within which the gate has to brake.
         inject: does it; returns its onset [ns].
         mend: undoes it.
-        braked, back: measured times [s] until the gate braked, and from the mending, the start of a process included, until the robot
-            moved again.
+        braked: measured times [s] from the onset until the gate braked.
+        back: measured times [s] from the mending, the start of a process included, until the robot moved again.
     """
 
     name: str

@@ -57,9 +57,8 @@ def _type_name(kind: Kind) -> str:
         return "map of maps"
     for cls, name in _TYPES:
         if isinstance(kind, cls):
-            return (
-                " / ".join(f'"{choice}"' for choice in kind.choices) if getattr(kind, "choices", ()) else name
-            )
+            choices = kind.choices if isinstance(kind, Text) else ()
+            return " / ".join(f'"{choice}"' for choice in choices) or name
     assert isinstance(kind, Vector)
     return f"float[{kind.size or 'n'}]"
 
