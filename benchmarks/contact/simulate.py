@@ -19,7 +19,7 @@ from shared.spatial import Array
 _CHANGE = 0.02
 _LONGEST_STEP = 2e-3
 # A swing of the wrench smaller than this share of the limit is no oscillation, nor is turning around less often.
-_SWING = 0.01
+_SWING = 0.1
 _TURNS = 4
 
 
@@ -54,7 +54,7 @@ class Result:
         turned: path length of its rotation [rad].
         offset: position less target at the end (3,) [m].
         swing: back-and-forth of the wrench in the first and second half of the quiet end, in limits per second.
-        turns: how often the wrench turns around in the second half, by more than a hundredth of a limit each time.
+        turns: how often the wrench turns around in the second half, by more than a tenth of a limit each time.
         within_reach: whether no loaded contact left the declared reach.
         within_squeeze: whether the forces of all contacts together stayed within the limits, axis by axis.
         trace: the whole run, where it was asked for.
