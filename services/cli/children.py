@@ -17,10 +17,11 @@ KEPT_LINES = 200
 STOP_PATIENCE = 3.0  # [s] after SIGTERM, before SIGKILL; every service promises 2 s
 _DIE_WITH_PARENT = """
 import ctypes, os, signal, sys
+os.nice(int(sys.argv[2]))
 if sys.platform == "linux":
     ctypes.CDLL(None).prctl(1, signal.SIGTERM)
 if os.getppid() == int(sys.argv[1]):
-    os.execv(sys.executable, [sys.executable, *sys.argv[2:]])
+    os.execv(sys.executable, [sys.executable, *sys.argv[3:]])
 """
 """Runs in the child before the service: PR_SET_PDEATHSIG has the kernel send it SIGTERM when this command is gone,
 even by SIGKILL. Not a preexec_fn, which may deadlock in a process that has threads."""
@@ -38,8 +39,12 @@ class Child:
         arguments: Sequence[str],
         log: Path | None = None,
         on_line: Callable[[str], None] | None = None,
+        nice: int = 0,
     ) -> None:
-        """Starts it. Its output is kept, copied to the file `log`, and handed line by line to `on_line`."""
+        """Starts it. Its output is kept, copied to the file `log`, and handed line by line to `on_line`.
+
+        `nice` lowers its priority (19 = only when nobody else wants the processor).
+        """
         self.name = name
         self.arguments = list(arguments)
         self.lines: deque[str] = deque(maxlen=KEPT_LINES)
@@ -53,6 +58,7 @@ class Child:
                 "-c",
                 _DIE_WITH_PARENT,
                 str(os.getpid()),
+                str(nice),
                 "-m",
                 f"services.{name}",
                 *arguments,

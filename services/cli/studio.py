@@ -21,7 +21,7 @@ class Studio:
     def start_if_recorded(self) -> None:
         """Starts rendering as soon as the run is recorded; once only."""
         if self._folder is not None and self._child is None and (self._folder / RECORDING).exists():
-            self._child = self._children.start(Child("experiment", ["film", str(self._folder)]))
+            self._child = self._children.start(Child("experiment", ["film", str(self._folder)], nice=19))
 
     @property
     def busy(self) -> bool:

@@ -23,7 +23,7 @@ UNLOAD_AT = 30.0  # [s]: the heavier bag has been on the ground for a while unde
 END_AT = 45.0  # [s] at the latest; earlier when the tool has come back and rests
 TARGET_PERIOD = 0.1  # [s] between two `control/target`
 FILMED = "certified-100"  # the run that the film shows
-JITTER = 0.010  # [s] that a command may be late: the longest time one command acts is a period and this
+JITTER = 0.020  # [s] that a command may be late: the longest time one command acts is a period and this
 MARGIN = 0.5  # [N] kept between what noise can hide and the heavier bag
 
 

@@ -29,6 +29,7 @@ class Report:
     index: Path
     claims: list[Claim]
     problems: list[str]
+    unfinished: list[str]
 
 
 def write(folder: Path, commands: Sequence[str] = ()) -> Report:
@@ -40,15 +41,17 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
 
     Raises:
         FileNotFoundError: no recording under `folder`.
-        ValueError: a recording lacks a part of the protocol.
+        ValueError: no run was played to the end.
     """
     runs = {run.name: run for run in RUNS if (folder / run.name / RECORDING).exists()}
     if not runs:
         raise FileNotFoundError(f"{folder}: no recording of any run ({', '.join(run.name for run in RUNS)})")
     recordings = {name: Recording.load(folder / name / RECORDING) for name in runs}
-    measured = {name: measure(recording) for name, recording in recordings.items()}
+    measured, unfinished = _measure(recordings)
+    runs = {name: run for name, run in runs.items() if name in measured}
+    recordings = {name: recordings[name] for name in measured}
     claims = judge(runs, measured, FORCE_LIMIT[2])
-    disturbances = _disturbances(measured)
+    disturbances = [*unfinished, *_disturbances(measured)]
 
     drawn = _draw(folder, runs, recordings, measured)
     files = {name: recording.write_csv(folder / name / "csv") for name, recording in recordings.items()}
@@ -80,7 +83,7 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
         "problems": disturbances,
     }
     (folder / "claims.json").write_text(json.dumps(summary, indent=2), encoding="utf-8")
-    return Report(index, claims, disturbances)
+    return Report(index, claims, disturbances, unfinished)
 
 
 def _draw(
@@ -106,6 +109,19 @@ def _draw(
         caption = f"{run.title}: every sample (pale) and the mean over 0.3 s."
         drawn.append((figures.save(figure, target / name)[0], caption))
     return drawn
+
+
+def _measure(recordings: Mapping[str, Recording]) -> tuple[dict[str, Measures], list[str]]:
+    """The runs that were played to the end, and a line for each other one."""
+    measured, unfinished = {}, []
+    for name, recording in recordings.items():
+        try:
+            measured[name] = measure(recording)
+        except (KeyError, ValueError) as problem:
+            unfinished.append(f"{name} is not judged: {problem.args[0]}")
+    if not measured:
+        raise ValueError("; ".join(unfinished))
+    return measured, unfinished
 
 
 def _disturbances(measured: Mapping[str, Measures]) -> list[str]:

@@ -23,6 +23,7 @@ STILL_FOR = 1.0  # [s]
 AT_POSE = 0.02  # [m]: near enough to start the clock, ten seconds before the first bag
 BACK_AT_POSE = 0.005  # [m] from where the first bag was hung: near enough to end early
 TARE_DURATION = 1.0  # [s] averaged
+TARE_AGAIN = 3  # times, when it is refused
 ANSWER_WITHIN = 5.0  # [s] for the answer to a request, beyond what it takes by itself
 
 
@@ -74,6 +75,7 @@ class LoadSequence:
     _pending: Ask | None = None
     _answer: dict[str, Any] | None = None
     _played: int = 0
+    _refusals: int = 0
     _rest: np.ndarray | None = None
 
     def step(self, now: float, seen: Seen) -> list[Ask]:
@@ -158,9 +160,14 @@ class LoadSequence:
                 f"no answer on {ask.query.key}. Is {ask.query.server} running?",
             )
             return []
-        if not self._answer.get("ok"):
-            raise Failed(f"{ask.query.key} was refused: {self._answer.get('error', 'no reason given')}")
         self._pending = None
+        if not self._answer.get("ok"):
+            refused = f"{ask.query.key} was refused: {self._answer.get('error', 'no reason given')}"
+            self._refusals += 1
+            if ask.query is not topics.WRENCH_TARE or self._refusals > TARE_AGAIN:
+                raise Failed(refused)
+            self._enter(self.phase, now)  # a disturbance of a moment: stand still and ask again
+            return []
         sent = now if self._since is None else self._since
         if ask.query is topics.WRENCH_TARE:
             self.events.append(Event(sent, "tare"))

@@ -63,6 +63,18 @@ def test_a_failed_claim_fails_the_command_and_is_marked(tmp_path: Path) -> None:
     assert re.search(r"1 of \d+ claims fail", page)
 
 
+def test_a_run_that_did_not_finish_fails_the_command_but_not_the_others(tmp_path: Path) -> None:
+    put(tmp_path, "paper-30")
+    put(tmp_path, "certified-30")
+    cut = recording(run_named("paper-30"))
+    cut.events.clear()
+    cut.save(tmp_path / "paper-30" / RECORDING)
+    assert main(["report", str(tmp_path)]) == 1
+    summary = json.loads((tmp_path / "claims.json").read_text())
+    assert {claim["run"] for claim in summary["claims"]} == {"certified-30"}
+    assert summary["problems"][0].startswith("paper-30 is not judged")
+
+
 def test_a_machine_that_stalled_is_named(tmp_path: Path) -> None:
     put(tmp_path, "paper-30", Defect(stall=1.5))
     put(tmp_path, "certified-30")

@@ -63,6 +63,17 @@ def test_ends_at_the_latest_when_the_tool_does_not_come_back() -> None:
     assert sequence.events[-1].time - sequence.start == pytest.approx(protocol.END_AT, abs=0.2)
 
 
+def test_a_tare_that_is_refused_once_is_asked_for_again() -> None:
+    sequence, asked, now = LoadSequence(RUN), 0, 0.0
+    while sequence.start is None and now < 60.0:
+        for _ in sequence.step(now, AT_POSE):
+            asked += 1
+            sequence.answered({"ok": asked > 1, "error": "a sample came late"})
+        now += protocol.TARGET_PERIOD
+    assert asked == 2
+    assert sequence.start is not None
+
+
 @pytest.mark.parametrize(
     ("seen", "answer", "reason"),
     [
