@@ -75,7 +75,7 @@ def draw(seed: int, name: str, number: int) -> Case:
     ]
     contacts, nominal = _start_within(drawn, position, rotation, limit, rng)
     friction = max((c.law.friction for c in contacts if isinstance(c.law, Surface)), default=0.0)
-    quiet, duration = (2.0, 3.2) if group.speed == 0.0 else (1.8, 3.0)
+    quiet, duration = (1.6, 2.6) if group.speed == 0.0 else (1.6, 2.4)
     times, shift = _environment(rng, group.speed, quiet)
     declared = Declared(
         contact_stiffness=declared_stiffness,

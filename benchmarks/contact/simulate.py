@@ -15,8 +15,8 @@ from benchmarks.contact.world import World
 from shared.spatial import Array
 
 # A sub-step changes the wrench by at most this share of the smallest limit, while the law keeps its own promise. Laws
-# that do not may move faster: the sub-steps are never shorter than 1/200 period, and the peak is then far over anyway.
-_CHANGE = 0.02
+# that do not may move faster: the sub-steps are never shorter than 1/100 period, and the peak is then far over anyway.
+_CHANGE = 0.05
 _LONGEST_STEP = 2e-3
 # A swing of the wrench smaller than this share of the limit is no oscillation, nor is turning around less often.
 _SWING = 0.1
@@ -143,7 +143,7 @@ def _step(case: Case, reach: float, fastest: Array, period: float) -> float:
     rate = case.declared.contact_stiffness * (fastest[0] + fastest[1] * reach)
     room = min(case.limit[:3].min(), case.limit[3:].min() / max(reach, 1e-3))
     wanted = _CHANGE * room / max(rate, 1e-9)
-    return min(_LONGEST_STEP, max(wanted, period / 200.0))
+    return min(_LONGEST_STEP, max(wanted, period / 100.0))
 
 
 def _measure(case: Case, path: Path, wrenches: Array, robot: Robot, world: World, keep: bool) -> Result:
