@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import casadi
@@ -61,6 +64,20 @@ def _ipopt(problem: Problem) -> Solve:
     symbolic, values = _parametric(problem)
     quiet = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes"}}
     return _casadi(casadi.nlpsol("ipopt", "ipopt", symbolic, quiet), values)
+
+
+@contextmanager
+def silent() -> Iterator[None]:
+    """Standard output closed at the system's level: qpOASES prints its licence for every problem."""
+    sys.stdout.flush()
+    kept, nothing = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nothing, 1)
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nothing)
 
 
 def _qpoases(problem: Problem) -> Solve:

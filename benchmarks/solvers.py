@@ -11,7 +11,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.solver_peers import Solve, Unsolved, peers
+from benchmarks.solver_peers import Solve, Unsolved, peers, silent
 from benchmarks.solver_problems import Problem, Sample, samples
 from benchmarks.table import Row, at_least, at_most, show, shown
 from services.controller.parameters import ControllerParameters
@@ -98,7 +98,8 @@ def timings(count: int) -> tuple[dict[str, tuple[Timing, Timing]], list[Timing]]
             Timing(f"tick, {form}", np.array([sample.tick for sample in found]), none),
             Timing(f"bare PIQP, {form}", np.array([sample.bare for sample in found]), none),
         )
-    return own, [contest(name, solve, problems) for name, solve in peers(problems[0]).items()]
+    with silent():
+        return own, [contest(name, solve, problems) for name, solve in peers(problems[0]).items()]
 
 
 def rows(quick: bool) -> list[Row]:

@@ -34,6 +34,7 @@ class Caps:
         refusal: why the limits cannot be kept, or None.
         start: theta = rho W (6,) with ``W = wbar - eps``.
         room: X = W - theta (6,).
+        threshold: (6,) up to which a measured wrench makes nothing yield: theta, or the wall in the strict form.
         most: C (6,), cap that nothing may pass at rest: W, and in the rounded form up to 2 eps less.
         wall: C + 2 eps (6,): at rest no measured wrench is larger, so a larger one proves that the environment moved.
         levels: (2, 12) caps of the twelve rows, without and with the reserve, as long as nothing yields.
@@ -45,7 +46,7 @@ class Caps:
         self._errors = [0.0] * 6
         self.refusal: str | None = None
         self.force = [0.0] * 3
-        self.wall = self.start = self.room = self.most = [0.0] * 6
+        self.wall = self.start = self.room = self.most = self.threshold = [0.0] * 6
         self.levels = np.zeros((2, 12))
         self._levels_beyond = np.zeros((2, 12))
         self._kept = np.zeros(12)
@@ -72,6 +73,7 @@ class Caps:
         most = np.maximum(W - 2.0 * error_bound, W - 0.5 * room) if self._rho < 1.0 else W
         self.most = most.tolist()
         self.wall = (most + 2.0 * error_bound).tolist()
+        self.threshold = self.start if self._rho < 1.0 else self.wall
         # rho_i = max(reserve W_i, 3 eps_i): a smaller one would vanish in the measurement's error.
         self._kept = np.tile(np.maximum(self._reserve * W, 3.0 * error_bound), 2)
         self._fill(self.levels, self.rounded([0.0] * 6) if self._rho < 1.0 else W.tolist())

@@ -10,6 +10,8 @@ motion that makes it fall (p_i); row i keeps w_i below its cap, row 6 + i keeps 
 
 from __future__ import annotations
 
+import operator
+
 import numpy as np
 
 from services.controller.caps import Caps
@@ -111,9 +113,10 @@ class CertifiedLaw(Law):
 
     def _yield(self, state: LawInput, dt: float) -> bool:
         """Set y, scaled as a whole into the speed box; returns whether there is any."""
-        y = self._yielding.step(
-            state.wrench.tolist(), self.caps, self.bound, self.box.speed, self.response_time, dt
-        )
+        w, caps = state.wrench.tolist(), self.caps
+        y = None
+        if not self._yielding.at_rest or any(map(operator.gt, map(abs, w), caps.threshold)):
+            y = self._yielding.step(w, caps, self.bound, self.box.speed, self.response_time, dt)
         if y is None:
             self._y[:] = 0.0
             return False
@@ -221,7 +224,10 @@ class CertifiedLaw(Law):
         left = np.minimum(self._slack, self._now[1] - speeds).tolist()
         if min(left) > TOLERANCE:
             return self._rest, False
-        tight = [room <= TOLERANCE for room in left]
-        active = [up - down for up, down in zip(tight[:6], tight[6:], strict=True)]
-        loaded = zip(active, state.wrench.tolist(), state.error_bound.tolist(), strict=True)
-        return np.array(active, dtype=float), any(side * w > eps for side, w, eps in loaded)
+        active, pressed = [0.0] * 6, False
+        for i, (w, eps) in enumerate(zip(state.wrench.tolist(), state.error_bound.tolist(), strict=True)):
+            side = (left[i] <= TOLERANCE) - (left[6 + i] <= TOLERANCE)
+            if side:
+                active[i] = side
+                pressed = pressed or side * w > eps
+        return np.array(active), pressed

@@ -116,7 +116,8 @@ class Qp:
             raise self._failure("the solver's answer is not finite", x)
         inside = np.minimum(np.maximum(x, self.lower), self.upper)
         np.subtract(self.right, np.dot(self.rows, inside), out=self.slack)
-        worst = max(-min(self.slack.tolist()), max(np.abs(inside - x).tolist()))
+        outside = inside - x
+        worst = max(-min(self.slack.tolist()), math.sqrt(outside.dot(outside)))
         if worst > TOLERANCE:
             raise self._failure(f"the solver's answer breaks a constraint by {worst:.1e}", x)
         return inside

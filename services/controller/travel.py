@@ -91,7 +91,9 @@ class Travel:
         row = self._first + len(durations)
         if row == _ROWS:
             row = self._compact()
-        self._sent[row] = self._acting[row] = self.speeds
+        self._sent[row] = self.speeds
+        acting = self._acting[row]
+        acting[:] = self.speeds
         # An earlier command may still act, as long as it is not older than T.
         age, earlier = 0.0, row
         while earlier > self._first:
@@ -99,7 +101,7 @@ class Travel:
             age += durations[earlier - self._first]
             if age > self.period - _INSTANT:
                 break
-            np.maximum(self._acting[row], self._sent[earlier], out=self._acting[row])
+            np.maximum(acting, self._sent[earlier], out=acting)
         durations.append(duration)
         if len(durations) > _MOST_SEGMENTS:
             self._merge_oldest()

@@ -65,6 +65,11 @@ class StrictYield:
     def __init__(self) -> None:
         self._integral = _Integral()
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing is left of what yielded before."""
+        return self._integral.at_rest
+
     def step(
         self,
         wrench: Vector,
@@ -106,6 +111,11 @@ class RoundedYield:
         self._integral = _Integral()
         self.distance = [0.0] * 6
         self.moved = False
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing is left of what yielded before."""
+        return self._integral.at_rest and not self.moved
 
     def step(
         self,

@@ -245,3 +245,12 @@ def test_yielding_at_rest_keeps_the_rows_with_everything_in_flight() -> None:
         )
         shortened += free is not None and not np.allclose(law._y, free)
     assert shortened > 20
+
+
+@pytest.mark.parametrize("yield_start", [1.0, 0.8])
+def test_a_lower_limit_moves_the_threshold_of_yielding_with_it(yield_start: float) -> None:
+    law = make(yield_start=yield_start)
+    wrench = [0.0, 0.7 * LIMIT[1], 0.0, 0.0, 0.0, 0.0]
+    assert not law.step(state(wrench), 0.01).yielding
+    output = law.step(state(wrench, limit=0.5 * LIMIT), 0.01)
+    assert output.yielding and output.twist[1] > 0.0
