@@ -64,6 +64,7 @@ class Probe:
         client = Client(self.bus)
         self.health = [client.watch(health_topic(name)) for name in SERVICES]
         self._clock = SteadyClock()
+        self.began = time.monotonic()
         self._runner = Runner(self.robot, self.bus, self._clock)
         self._done = threading.Event()
         threading.Thread(target=self._aim, args=(client,), daemon=True).start()
@@ -99,12 +100,12 @@ def main() -> int:
     """Print the latencies [us] and the overruns in between as JSON; 1 if no command came."""
     endpoint, rate, duration = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
     probe = Probe(endpoint, rate)
-    began = time.monotonic()
-    while probe.robot.gate.mode != "ready":
-        probe.run(0.05)
-        if time.monotonic() - began > PATIENCE:
+    while not probe.robot.executes:
+        probe.run(0.01)
+        if time.monotonic() - probe.began > PATIENCE:
             print(f"no command was executed within {PATIENCE:g} s", file=sys.stderr)
             return 1
+    first_command = time.monotonic() - probe.began
     probe.run(WARM_UP)
     before, begin = probe.overruns(), time.monotonic_ns()
     probe.run(duration)
@@ -113,7 +114,7 @@ def main() -> int:
     after = probe.overruns()
     probe.close()
     overruns = {name: after[name] - before[name] for name in SERVICES}
-    printed(probe.bus.puts, probe.bus.arrivals, begin, end, overruns=overruns)
+    printed(probe.bus.puts, probe.bus.arrivals, begin, end, overruns=overruns, first_command=first_command)
     return 0
 
 

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +17,8 @@ from tests.support.ports import free_endpoint, free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 ROS_PYTHON = "/usr/bin/python3"
+SETTLING = 3.0
+"""Time [s] after which all other processes run and wait for the robot."""
 
 
 class Failed(RuntimeError):
@@ -24,10 +27,17 @@ class Failed(RuntimeError):
 
 @dataclass
 class Segment:
-    """What one probe measured: latencies [us] of all samples, None where no answer came, and counted overruns."""
+    """What one probe measured.
+
+    Attributes:
+        latencies: of all samples [us], None where no answer came.
+        overruns: by service.
+        first_command: time [s] until the robot's gate executed a command.
+    """
 
     latencies: list[float | None] = field(default_factory=list)
     overruns: dict[str, int] = field(default_factory=dict)
+    first_command: float = 0.0
 
     def add(self, other: Segment) -> Self:
         """Append another segment of the same kind."""
@@ -86,7 +96,7 @@ class Processes(ExitStack):
         if done.returncode != 0:
             raise Failed(f"{arguments[0]}: {done.stderr.strip().splitlines()[-1:]}")
         result = json.loads(done.stdout.strip().splitlines()[-1])
-        return Segment(result["latencies"], result.get("overruns", {}))
+        return Segment(**result)
 
     def _command(self, arguments: tuple[str, ...]) -> list[str]:
         return [*([] if arguments[0].startswith("/") else [self._python, "-m"]), *arguments]
@@ -105,12 +115,27 @@ def _end(process: subprocess.Popen[str]) -> None:
 
 def chain(rate: float, seconds: float) -> Segment:
     """The real services through a real router."""
-    endpoint = free_endpoint()
     with Processes() as processes:
-        processes.start("services.router", "--listen", endpoint, ready="listening")
-        for service in ("wrench", "controller"):
-            processes.start(f"services.{service}", "--connect", endpoint)
-        return processes.measure("benchmarks.latency.chain_probe", endpoint, str(rate), str(seconds))
+        return processes.measure(
+            "benchmarks.latency.chain_probe", _services(processes), str(rate), str(seconds)
+        )
+
+
+def started() -> float:
+    """Time [s] from the first sample of the stub robot to the first command that its gate executes."""
+    with Processes() as processes:
+        endpoint = _services(processes)
+        time.sleep(SETTLING)
+        return processes.measure("benchmarks.latency.chain_probe", endpoint, "100", "0").first_command
+
+
+def _services(processes: Processes) -> str:
+    """Start router, wrench and controller; returns the router's endpoint."""
+    endpoint = free_endpoint()
+    processes.start("services.router", "--listen", endpoint, ready="listening")
+    for service in ("wrench", "controller"):
+        processes.start(f"services.{service}", "--connect", endpoint)
+    return endpoint
 
 
 def relay(rate: float, seconds: float) -> Segment:

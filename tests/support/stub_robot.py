@@ -61,6 +61,7 @@ class StubRobot:
         self.twist: Array = np.zeros(6)
         self._random = np.random.default_rng(0)
         self._ticks = 0
+        self._mode, self._reason = self.gate.mode, self.gate.reason
         self._told = ("", "")
         self.wiring = Wiring(
             name="robot",
@@ -75,6 +76,11 @@ class StubRobot:
             overrun_share=1.0,
         )
 
+    @property
+    def executes(self) -> bool:
+        """Whether the gate let a fresh, valid command through in the last tick."""
+        return self._mode == "ready"
+
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
         """Execute for ``dt`` [s] what the gate lets through, then say where that led."""
         stop = inputs.get(topics.STOP)
@@ -87,6 +93,8 @@ class StubRobot:
         gripper = inputs.get(topics.COMMAND_GRIPPER)
         if gripper is not None:
             self.opening = gripper.message.opening
+        # Asked before the twist is carried out: a command that lasts for one tick is executed all the same.
+        self._mode, self._reason = self.gate.mode, self.gate.reason
         self._move(dt, self._base_velocity(inputs))
         self._ticks += 1
         return self._outputs(inputs)
@@ -141,7 +149,7 @@ class StubRobot:
         if self._due(topics.STATE_GRIPPER.rate):
             outputs.append(Output(topics.STATE_GRIPPER, GripperState(self.opening, 0.0, False)))
         refused = inputs.refusals(topics.COMMAND_EE_TWIST)
-        told = (self.gate.mode, "; ".join(text for text in (self.gate.reason, refused) if text))
+        told = (self._mode, "; ".join(text for text in (self._reason, refused) if text))
         if self._due(topics.STATE_ROBOT.rate) or told[0] != self._told[0]:
             self._told = told
             outputs.append(Output(topics.STATE_ROBOT, self._status()))

@@ -1,0 +1,84 @@
+"""Latency of the chain `sensor/ft` -> wrench -> controller -> twist received, beside as many hops with nothing in them.
+
+``python -m benchmarks.chain [--quick]``. Real processes through a real router, paced at the loop's own rate; the three
+transports take turns, so that whatever else the machine does meets all of them alike.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from functools import reduce
+
+from benchmarks.latency import segments
+from benchmarks.latency.segments import Segment
+from benchmarks.table import Row, at_most, show, shown, skipped
+
+COMMAND = "python -m benchmarks.chain"
+RATES = (100.0, 500.0)
+LIMIT = 1.3
+"""Largest ratio to the bare relay that the chain aims at."""
+OVERRUN_SHARE = 1e-3
+"""Largest share of late steps of wrench and controller at 500 Hz."""
+
+Measure = Callable[[float, float], Segment]
+
+
+def rows(quick: bool) -> list[Row]:
+    """Latency at each rate, and the overruns of 30 s at 500 Hz."""
+    table = []
+    for rate in RATES:
+        table += _compared(rate, *((2, 2.0) if quick else (4, 6.0)))
+    table.append(_sustained(RATES[-1], 3.0 if quick else 30.0))
+    return table
+
+
+def _compared(rate: float, rounds: int, seconds: float) -> list[Row]:
+    missing = segments.ros_missing()
+    transports: dict[str, Measure] = {"chain": segments.chain, "relay": segments.relay}
+    if not missing:
+        transports["ros"] = segments.ros
+    turns = [{name: measure(rate, seconds) for name, measure in transports.items()} for _ in range(rounds)]
+    total = {name: reduce(Segment.add, (turn[name] for turn in turns), Segment()) for name in transports}
+    title = f"chain at {rate:.0f} Hz"
+    chain, relay = total["chain"], total["relay"]
+    table = [
+        _against(title, "p50", 0.5, chain, relay),
+        _against(title, "p99", 0.99, chain, relay),
+        shown(
+            f"{title}, samples without a command", 100 * chain.lost, "%", COMMAND, f"relay {relay.lost:.2%}"
+        ),
+    ]
+    claim = f"{title}, p99 below the rospy relay's"
+    if missing:
+        return [*table, skipped(claim, missing, COMMAND)]
+    ros = total["ros"]
+    note = f"rospy, which has no router: p50 {ros.quantile(0.5):.0f}, p99 {ros.quantile(0.99):.0f} us"
+    return [*table, at_most(claim, chain.quantile(0.99) / ros.quantile(0.99), 1.0, "", COMMAND, note)]
+
+
+def _against(title: str, name: str, share: float, chain: Segment, relay: Segment) -> Row:
+    """The chain's quantile in units of the bare relay's."""
+    mine, floor = chain.quantile(share), relay.quantile(share)
+    note = f"{mine:.0f} us, relay {floor:.0f} us"
+    return at_most(f"{title}, {name} to the bare relay's", mine / floor, LIMIT, "", COMMAND, note)
+
+
+def _sustained(rate: float, seconds: float) -> Row:
+    segment = segments.chain(rate, seconds)
+    late = max(segment.overruns.values()) / len(segment.latencies)
+    note = ", ".join(f"{name} {count}" for name, count in segment.overruns.items())
+    note += f" of {len(segment.latencies)} steps"
+    claim = f"{rate:.0f} Hz for {seconds:.0f} s, late steps"
+    return at_most(claim, 100 * late, 100 * OVERRUN_SHARE, "%", COMMAND, note)
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(prog=COMMAND, description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="fewer samples: a look, not a measurement")
+    show(rows(parser.parse_args().quick))
+
+
+if __name__ == "__main__":
+    main()
