@@ -89,7 +89,7 @@ class Inlet(Generic[M]):
     @property
     def age_limit(self) -> float:
         """Age [s] above which the last message is not used."""
-        return max(self.topic.max_age, PERIODS_TO_SILENCE * min(self._period, SLOWEST_PERIOD))
+        return max(self.topic.max_age, PERIODS_TO_SILENCE * min(self._period or SLOWEST_PERIOD, SLOWEST_PERIOD))
 
     def offer(self, payload: bytes) -> None:
         """Take in a payload as it arrived; a bad one is counted and changes nothing else."""
