@@ -31,6 +31,9 @@ from shared.runner import Runner
 
 NAME = "experiment"
 INTERRUPTED = 130
+INCOMPLETE = (
+    "incomplete.npz"  # what was recorded of a run that was not played to the end: nothing is judged by it
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -114,7 +117,7 @@ def _load(options: argparse.Namespace) -> int:
             bus=f"Zenoh, router at {options.connect}",
             cores=os.cpu_count(),
         )
-        recording.save(options.out / RECORDING)
+        recording.save(options.out / (INCOMPLETE if reason or stop.requested else RECORDING))
     finally:
         bus.close()
     if stop.requested:

@@ -1,0 +1,55 @@
+"""The load experiment with all services in simulated time: every claim holds, under every law."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import pytest
+
+from benchmarks.load_stack import play
+from services.experiment.judge import Claim, judge
+from services.experiment.measures import Measures, measure
+from services.experiment.protocol import FORCE_LIMIT, HEAVY, LIGHT, RUNS, Run, run_named, unambiguous
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
+
+
+@cache
+def measured(name: str) -> Measures:
+    return measure(play(run_named(name)))
+
+
+def claims(*names: str) -> list[Claim]:
+    return judge(
+        {name: run_named(name) for name in names}, {name: measured(name) for name in names}, FORCE_LIMIT[2]
+    )
+
+
+@pytest.mark.parametrize("run", RUNS, ids=lambda run: run.name)
+def test_every_claim_holds(run: Run) -> None:
+    found = claims(run.name)
+    assert len(found) >= 2
+    assert [f"{claim.text}: {claim.figure} ({claim.limit})" for claim in found if not claim.passed] == []
+
+
+def test_certified_is_no_worse_than_the_paper_at_its_rate() -> None:
+    found = [claim for claim in claims("paper-30", "certified-30") if claim.run == "certified-30, paper-30"]
+    assert len(found) == 3
+    assert [f"{claim.text}: {claim.figure}" for claim in found if not claim.passed] == []
+
+
+def test_the_weights_are_unambiguous_on_both_sides_of_the_limit() -> None:
+    for run in RUNS:
+        bound = measured(run.name).error_bound
+        assert unambiguous(bound) <= HEAVY
+        start = run.settings["controller"].get("yield_start", 1.0)
+        assert start * (FORCE_LIMIT[2] - bound) > LIGHT
+
+
+def test_a_higher_rate_and_an_earlier_start_lower_sooner() -> None:
+    times = [measured(name).lowering_time for name in ("rounded-100", "certified-100", "certified-30")]
+    assert times == sorted(times)
+
+
+def test_the_same_run_twice_gives_the_same_figures() -> None:
+    assert measure(play(run_named("paper-30"))) == measured("paper-30")
