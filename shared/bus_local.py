@@ -5,6 +5,7 @@ from __future__ import annotations
 import heapq
 from collections import defaultdict
 from collections.abc import Callable
+from functools import partial
 
 from shared.bus import NoReply, OnPayload, OnRequest, Work
 from shared.clock import nanoseconds
@@ -72,7 +73,7 @@ class LocalBus:
         """Deliver after the latency, in order."""
         due = self._scheduler.clock.now_ns() + self._latency_ns
         for on_payload in self._subscribers[key]:
-            self._scheduler.at(due, lambda deliver=on_payload: deliver(payload))
+            self._scheduler.at(due, partial(on_payload, payload))
 
     def subscribe(self, key: str, on_payload: OnPayload, work: Work | None = None) -> None:
         """Have every payload under the key handed over; in simulated time no work lasts."""
