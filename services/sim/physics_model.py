@@ -13,7 +13,7 @@ from collections.abc import Iterable
 import numpy as np
 import pinocchio as pin
 
-from services.sim.kinematics import CHAIN, SENSOR_JOINT, URDF, home
+from services.sim.kinematics import CHAIN, SENSOR_JOINT, URDF, locked_except
 from shared.spatial import rpy_from_rotation
 
 _KIND = {"JointModelPZ": "prismatic", "JointModelRZ": "revolute"}
@@ -27,8 +27,7 @@ def lumped_model() -> pin.Model:
         '<axis xyz="0 0 1"/>',
     )
     model = pin.buildModelFromXML(text)
-    locked = [model.getJointId(name) for name in model.names[1:] if name not in (*CHAIN, SENSOR_JOINT)]
-    return pin.buildReducedModel(model, locked, home(model))
+    return locked_except(model, (*CHAIN, SENSOR_JOINT))
 
 
 def physics_urdf() -> str:
