@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from services.cli.refusal import refuse
+from shared.bus_zenoh import DEFAULT_ENDPOINT
 
 ROUTER = "router"
 SERVICES = ("sim", "wrench", "controller")  # in order of start; any order works
-DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 
 
 @dataclass(frozen=True)
