@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 import time
+from bisect import bisect_left
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,8 +21,8 @@ from shared.client import Client
 from shared.inlet import Received
 from shared.limits import Gate, GateLimits
 from shared.messages import ControlTarget, EndEffector, FtSample, RobotStatus, TwistCommand
-from shared.spatial import quaternion
-from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, STATE_EE, STATE_ROBOT
+from shared.spatial import Array, quaternion
+from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, STATE_EE, STATE_ROBOT, WRENCH_EXTERNAL
 
 TICK = 0.002
 """The robot's own period [s]."""
@@ -63,7 +64,9 @@ class LiveRobot:
         self._every = max(1, round(1.0 / (sample_rate * TICK)))
         self._lock = threading.Lock()
         self._arrived: Received[TwistCommand] | None = None
+        self._wrenches: list[float] = []
         client.watch(COMMAND_EE_TWIST, self._arrive)
+        client.watch(WRENCH_EXTERNAL, lambda wrench: self._wrenches.append(wrench.header.stamp * 1e-9))
 
     def _arrive(self, command: Received[TwistCommand]) -> None:
         with self._lock:
@@ -74,7 +77,8 @@ class LiveRobot:
         robot = Robot(case.position.copy(), case.rotation.copy(), 0.0)
         world = World(case.contacts, robot.position, robot.rotation)
         gate = Gate(GateLimits(case.declared.max_linear * 2.0, case.declared.max_angular * 2.0, 1e3, 1e3))
-        found, log = Measured(), _Log()
+        found, log = Measured(), _Log(self._wrenches)
+        self._wrenches.clear()
         rng = np.random.default_rng(case.seed)
         wrench = world.advance(robot.position[None], robot.rotation[None], np.zeros((1, 3)))[0]
         bias = case.error_bound * rng.uniform(-0.5, 0.5, 6)
@@ -93,7 +97,7 @@ class LiveRobot:
             dt = min(elapsed, _LONGEST_TICK)
             twist = gate.advance(dt)
             found.moved |= bool(twist.any())
-            log.executed(bool(twist.any()), dt)
+            log.executed(twist, dt)
             robot.command(now, twist, dt + 1.0)
             path = robot.advance(now, now + dt, dt / 8.0)
             wrenches = world.advance(path.positions, path.rotations, np.zeros((len(path.times), 3)))
@@ -111,9 +115,10 @@ class LiveRobot:
         if command is not None:
             message = command.message
             gate.command(message.linear, message.angular, message.ttl, command.delay, command.header.valid)
-            log.commanded(command.number, time.monotonic())
+            wanted = np.concatenate((message.linear, message.angular))
+            log.commanded(command.header.stamp * 1e-9, wanted, time.monotonic())
 
-    def _publish(self, case: Case, robot: Robot, wrench: np.ndarray, now: float, tick: int) -> None:
+    def _publish(self, case: Case, robot: Robot, wrench: Array, now: float, tick: int) -> None:
         turn = robot.rotation.T
         attitude = quaternion(robot.rotation)
         twist = robot.twist
@@ -130,38 +135,43 @@ class LiveRobot:
 
 
 class _Log:
-    """When samples left and commands were executed, to find how long each took."""
+    """When samples left and commands were executed, to find how long each took.
 
-    def __init__(self) -> None:
+    All processes of a run share one steady clock, so their stamps can be compared: a command was made from the newest
+    wrench before its stamp, and that from the newest sample before the wrench's. What was still on its way to the next
+    process then is not seen, so a delay is what was measured or more.
+    """
+
+    def __init__(self, wrenches: list[float]) -> None:
         self.held = 0.0
         self._holding = 0.0
+        self._wanted = np.zeros(6)
         self._sent: list[float] = []
-        self._taken: list[tuple[int, float, int]] = []
+        self._wrenches = wrenches
+        self._taken: list[tuple[float, float]] = []
 
     def sampled(self, now: float) -> None:
         """A sample leaves."""
         self._sent.append(now)
 
-    def commanded(self, number: int, now: float) -> None:
-        """Command ``number`` is taken over, when ``len(self._sent)`` samples have left."""
-        self._taken.append((number, now, len(self._sent)))
+    def commanded(self, stamp: float, wanted: Array, now: float) -> None:
+        """A command with this stamp is taken over."""
+        self._taken.append((stamp, now))
+        self._wanted = wanted
         self._holding = 0.0
 
-    def executed(self, moving: bool, dt: float) -> None:
-        """The gate lets the newest command through, or nothing, for ``dt`` [s]."""
-        self._holding = self._holding + dt if moving else 0.0
+    def executed(self, twist: Array, dt: float) -> None:
+        """The gate lets ``twist`` through for ``dt`` [s], which counts as far as it is the command."""
+        speed = float(np.linalg.norm(self._wanted))
+        self._holding += dt * float(np.linalg.norm(twist)) / speed if speed > 0.0 else 0.0
         self.held = max(self.held, self._holding)
 
-    def delays(self, window: int = 50) -> list[float]:
-        """Delay [s] of each command from its sample.
-
-        Every sample gives one command, so sample and command numbers differ by a constant, which grows where one is
-        lost. The least difference among the next ``window`` commands is taken for it: at that one nothing was waiting.
-        """
-        ahead = [sent - number for number, _, sent in self._taken]
+    def delays(self) -> list[float]:
+        """Delay [s] of each command from its sample."""
         found = []
-        for index, (number, taken, _) in enumerate(self._taken):
-            sample = number + min(ahead[index : index + window])
-            if 0 < sample <= len(self._sent):
+        for stamp, taken in self._taken:
+            wrench = bisect_left(self._wrenches, stamp)
+            sample = bisect_left(self._sent, self._wrenches[wrench - 1]) if wrench > 0 else 0
+            if sample > 0:
                 found.append(taken - self._sent[sample - 1])
         return found

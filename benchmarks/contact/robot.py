@@ -86,7 +86,7 @@ class Robot:
         """Mean twists (count, 6) over equal sub-steps of a constant command, behind the lag."""
         if self._lag <= 0.0:
             self.twist = self._acting
-            return np.tile(self._acting, (count, 1))
+            return np.broadcast_to(self._acting, (count, 6))
         edges = np.exp(-step / self._lag * np.arange(count + 1))
         away = self.twist - self._acting
         self.twist = self._acting + away * edges[-1]
@@ -108,9 +108,14 @@ class Robot:
 
 def _rotations(vectors: Array) -> Array:
     """Rotation matrices (n, 3, 3) of rotation vectors (n, 3) [rad] below half a turn (Rodrigues)."""
-    angles = np.sqrt(np.einsum("ni,ni->n", vectors, vectors))
-    sine = np.sinc(angles / math.pi)
-    versine = np.sinc(angles / (2.0 * math.pi)) ** 2 / 2.0
+    square = np.einsum("ni,ni->n", vectors, vectors)
+    if square.max() < 1e-3:  # what is left out of the series is below rounding
+        sine = 1.0 - square * (1.0 - square / 20.0) / 6.0
+        versine = 0.5 - square * (1.0 - square / 30.0) / 24.0
+    else:
+        angles = np.sqrt(square)
+        sine = np.sinc(angles / math.pi)
+        versine = np.sinc(angles / (2.0 * math.pi)) ** 2 / 2.0
     cross = np.zeros((len(vectors), 3, 3))
     cross[:, 2, 1], cross[:, 0, 2], cross[:, 1, 0] = vectors.T
     cross[:, 1, 2], cross[:, 2, 0], cross[:, 0, 1] = -vectors.T

@@ -44,7 +44,7 @@ class Group:
     turn: float
     speed: float = 0.0
     clever: bool = False
-    rates: tuple[tuple[float, float], ...] = ((30.0, 0.34), (100.0, 0.4), (250.0, 0.2), (1000.0, 0.06))
+    rates: tuple[tuple[float, float], ...] = ((30.0, 0.34), (100.0, 0.42), (250.0, 0.2), (1000.0, 0.04))
 
 
 GROUPS: dict[str, Group] = {
@@ -75,7 +75,8 @@ def draw(seed: int, name: str, number: int) -> Case:
     ]
     contacts, nominal = _start_within(drawn, position, rotation, limit, rng)
     friction = max((c.law.friction for c in contacts if isinstance(c.law, Surface)), default=0.0)
-    quiet, duration = (1.6, 2.6) if group.speed == 0.0 else (1.6, 2.4)
+    timing = _timing(rng, group)
+    quiet = 1.6 if timing.period > 0.005 or group.speed > 0.0 else 1.0
     times, shift = _environment(rng, group.speed, quiet)
     declared = Declared(
         contact_stiffness=declared_stiffness,
@@ -95,14 +96,14 @@ def draw(seed: int, name: str, number: int) -> Case:
         limit=limit,
         error_bound=np.minimum(error, limit / 4.0),
         nominal=nominal,
-        timing=_timing(rng, group),
+        timing=timing,
         declared=declared,
         adversary=str(rng.choice(CLEVER if group.clever else KINDS)),
         targets=_targets(rng, group, position, rotation, quiet),
         shift_times=times,
         shift=shift,
         quiet=quiet,
-        duration=duration,
+        duration=quiet + 0.8,
     )
 
 
