@@ -7,6 +7,7 @@ transports take turns, so that whatever else the machine does meets all of them 
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Callable
 from functools import reduce
 
@@ -54,14 +55,21 @@ def _compared(rate: float, rounds: int, seconds: float) -> list[Row]:
         return [*table, skipped(claim, missing, COMMAND)]
     ros = total["ros"]
     note = f"rospy, which has no router: p50 {ros.quantile(0.5):.0f}, p99 {ros.quantile(0.99):.0f} us"
-    return [*table, at_most(claim, chain.quantile(0.99) / ros.quantile(0.99), 1.0, "", COMMAND, note)]
+    return [*table, _ratio(claim, chain.quantile(0.99), ros.quantile(0.99), 1.0, note)]
 
 
 def _against(title: str, name: str, share: float, chain: Segment, relay: Segment) -> Row:
     """The chain's quantile in units of the bare relay's."""
     mine, floor = chain.quantile(share), relay.quantile(share)
-    note = f"{mine:.0f} us, relay {floor:.0f} us"
-    return at_most(f"{title}, {name} to the bare relay's", mine / floor, LIMIT, "", COMMAND, note)
+    claim = f"{title}, {name} to the bare relay's"
+    return _ratio(claim, mine, floor, LIMIT, f"{mine:.0f} us, relay {floor:.0f} us")
+
+
+def _ratio(claim: str, mine: float, other: float, limit: float, note: str) -> Row:
+    if math.inf in (mine, other):
+        measured = "more samples lost than the quantile admits: the machine is too busy to measure on"
+        return Row(claim, measured, f"≤ {limit:g} times", False, COMMAND)
+    return at_most(claim, mine / other, limit, "", COMMAND, note)
 
 
 def _sustained(rate: float, seconds: float) -> Row:

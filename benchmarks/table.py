@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -56,8 +57,14 @@ def _figure(value: float, unit: str, note: str = "") -> str:
 
 
 def show(rows: Sequence[Row]) -> None:
-    """Print the rows; in full width where the output is no terminal."""
-    table = Table(title="tandem: what was claimed and what was measured", title_justify="left")
+    """Print the rows, in full width where the output is no terminal, and how busy the machine was."""
+    busy = f"load average {os.getloadavg()[1]:.1f} over the last five minutes on {os.cpu_count()} cores"
+    table = Table(
+        title="tandem: what was claimed and what was measured",
+        title_justify="left",
+        caption=busy,
+        caption_justify="left",
+    )
     for column in ("claim", "measured", "target", "met", "command"):
         table.add_column(column, overflow="fold")
     for row in rows:
