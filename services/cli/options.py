@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Annotated
 
@@ -30,15 +30,17 @@ __all__ = ["DEFAULT_ENDPOINT", "DEFAULT_ROBOT", "Connect", "Robot", "open_bus"]
 
 
 @contextmanager
-def open_bus(robot: str, connect: str, within: float = CONNECT_WITHIN) -> Iterator[ZenohBus]:
-    """The bus of a running stack; refuses with one line when no router answers `within` [s]."""
+def open_bus(
+    robot: str, connect: str, within: float = CONNECT_WITHIN, give_up: Callable[[], bool] = lambda: False
+) -> Iterator[ZenohBus]:
+    """The bus of a running stack; refuses with one line when no router answers `within` [s] or until `give_up`."""
     if not robot or any(letter in robot for letter in "/*$#?"):
         refuse(f"--robot {robot!r}: wanted one chunk of a key, without / * $ # ?")
     deadline = time.monotonic() + within
     try:
-        bus = ZenohBus(robot, connect, give_up=lambda: time.monotonic() > deadline)
+        bus = ZenohBus(robot, connect, give_up=lambda: give_up() or time.monotonic() > deadline)
     except BusError as problem:
-        if time.monotonic() > deadline:
+        if give_up() or time.monotonic() > deadline:
             refuse(
                 f"no router at {connect}. Start a stack with: tandem up, or choose another with --connect", 1
             )

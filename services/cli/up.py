@@ -35,7 +35,8 @@ from services.cli.view import stack_view
 from services.cli.watch import Watch
 
 REFRESH = 0.25  # [s]
-SPEAKS_WITHIN = 10.0  # [s] for a process to say the first word
+ROUTER_WITHIN = 60.0  # [s] for the stack's own router to listen, on a machine that is busy
+SPEAKS_WITHIN = 30.0  # [s] for a process to say the first word
 
 Router = Annotated[
     str,
@@ -66,7 +67,9 @@ def up(
         stack = Stack(plan, children)
         try:
             stack.wait_for_router()
-            with open_bus(robot, router, within=10.0) as bus:
+            with open_bus(
+                robot, router, ROUTER_WITHIN, lambda: stop.is_set() or ROUTER in stack.ended()
+            ) as bus:
                 _show(stack, Watch(bus), stop)
         finally:
             plan.forget()
@@ -146,6 +149,8 @@ def _with_process(row: Row, child: Child | None) -> Row:
         return replace(row, detail=f"{child.how_it_ended()}; start it again with: tandem start {row.service}")
     if row.health is None and time.monotonic() - child.started < SPEAKS_WITHIN:
         return replace(row, state="starting", detail="not heard yet", ok=True)
+    if row.state in ("lost", "silent"):
+        return replace(row, detail=f"its process runs (pid {child.pid}), but nothing is heard of it")
     return row
 
 

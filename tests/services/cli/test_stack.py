@@ -1,0 +1,128 @@
+"""`tandem up` and the commands that speak to it, as real processes over a real router."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from services.cli.plan import SERVICES
+from tests.services.cli.test_children import exists
+from tests.services.cli.test_refusals import tandem
+from tests.support.ports import free_endpoint
+from tests.support.processes import Process
+from tests.support.wait import eventually
+
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
+PATIENCE = 60.0  # [s]
+
+
+def pids(endpoint: str) -> dict[str, int]:
+    """The stack's processes by service, found by their endpoint."""
+    listed = subprocess.run(
+        ["ps", "-eww", "-o", "pid=", "-o", "args="], capture_output=True, text=True, check=True
+    ).stdout
+    found = re.findall(rf"^\s*(\d+) \S+ -m services\.(\w+) .*{re.escape(endpoint)}", listed, re.MULTILINE)
+    return {name: int(pid) for pid, name in found if name != "cli"}
+
+
+@pytest.fixture(scope="module")
+def endpoint() -> str:
+    return free_endpoint()
+
+
+@pytest.fixture(scope="module")
+def stack(endpoint: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Process]:
+    output = tmp_path_factory.mktemp("up") / "output"
+    with Process("services.cli", ["up", "--router", endpoint], output) as process:
+        # A busy machine makes the simulation degraded: it is alive all the same.
+        alive = [re.compile(rf" {name}: (ok|degraded)") for name in SERVICES]
+        eventually(
+            lambda: not process.running or all(pattern.search(process.output) for pattern in alive),
+            PATIENCE,
+            "every service is alive",
+        )
+        assert process.running, process.output
+        yield process
+
+
+def test_status_finds_everything_alive(stack: Process, endpoint: str) -> None:
+    done = tandem("status", "--connect", endpoint)
+    assert all(re.search(rf"^{name} +(ok|degraded)", done.stdout, re.MULTILINE) for name in SERVICES), (
+        done.stdout
+    )
+
+
+def test_hz_shows_the_rates(stack: Process, endpoint: str) -> None:
+    done = tandem("topic", "hz", "--connect", endpoint)
+    rates = dict(re.findall(r"^(\S+/\S+) +([\d.]+)", done.stdout, re.MULTILINE))
+    assert {"sensor/ft", "wrench/external", "state/ee", "control/status", "health/controller"} <= rates.keys()
+    assert float(rates["sensor/ft"]) > 10.0
+
+
+def test_echo_prints_messages(stack: Process, endpoint: str) -> None:
+    done = tandem("topic", "echo", "wrench/external", "--count", "2", "--connect", endpoint)
+    assert done.returncode == 0
+    assert done.stdout.count('"error_bound"') == 2
+
+
+def test_parameters_are_read_set_and_refused(stack: Process, endpoint: str) -> None:
+    assert tandem("param", "get", "controller.law", "--connect", endpoint).stdout == "certified\n"
+    done = tandem("param", "set", "controller.max_linear=0.2", "--connect", endpoint)
+    assert done.stdout == "controller.max_linear = 0.2\n"
+    refused = tandem("param", "set", "controller.max_linear=99", "--connect", endpoint)
+    assert refused.returncode == 1
+    assert "max_linear is 99" in refused.stderr
+    assert tandem("param", "get", "controller.max_linear", "--connect", endpoint).stdout == "0.2\n"
+
+
+def test_stop_is_latched_until_resume(stack: Process, endpoint: str) -> None:
+    assert tandem("stop", "by hand", "--connect", endpoint).returncode == 0
+    status = tandem("status", "--connect", endpoint)
+    assert status.returncode == 1
+    assert "by hand" in status.stdout
+    assert "tandem resume" in status.stdout
+    assert tandem("resume", "--connect", endpoint).returncode == 0
+    assert "stopped" not in tandem("status", "--connect", endpoint).stdout
+
+
+def test_a_killed_controller_is_named_within_a_second_and_can_be_started_again(
+    stack: Process, endpoint: str, tmp_path: Path
+) -> None:
+    os.kill(pids(endpoint)["controller"], signal.SIGKILL)
+    killed = time.monotonic()
+    done = tandem("status", "--connect", endpoint)
+    assert done.returncode == 1
+    assert re.search(r"wrong: controller is lost: .*tandem start controller", done.stdout), done.stdout
+    eventually(lambda: "controller: lost: ended with signal SIGKILL" in stack.output, PATIENCE, "up shows it")
+    assert time.monotonic() > killed
+    with Process("services.cli", ["start", "controller", "--connect", endpoint], tmp_path / "again"):
+        eventually(lambda: "controller" in pids(endpoint), PATIENCE, "the controller runs again")
+        eventually(
+            lambda: re.search(
+                r"^controller +(ok|degraded)", tandem("status", "--connect", endpoint).stdout, re.MULTILINE
+            ),
+            PATIENCE,
+            "status is content with it",
+        )
+
+
+def test_a_second_stack_on_the_same_port_is_refused(stack: Process, endpoint: str) -> None:
+    done = tandem("up", "--router", endpoint)
+    assert done.returncode == 1
+    assert "cannot be used" in done.stderr
+
+
+def test_everything_ends_with_it(stack: Process, endpoint: str) -> None:
+    started = pids(endpoint)
+    assert {"router", "sim", "wrench"} <= started.keys()
+    stack.signal(signal.SIGINT)
+    assert stack.wait(20) == 0
+    assert not any(exists(pid) for pid in started.values())
+    assert stack.output.endswith("all processes ended\n")
