@@ -96,6 +96,17 @@ def test_random_loss(lost: float, usable: float) -> None:
     assert np.mean(judged) >= usable if lost < LOSS_LIMIT else np.mean(judged) <= usable
 
 
+def test_the_sequences_of_two_sessions_are_no_loss() -> None:
+    feed = Feed()
+    feed.run(50)
+    feed.clock.advance(0.2)
+    second = Publisher(feed.clock, session=2)
+    second.seq = 10**6
+    feed.run(30, second)
+    assert feed.inlet.loss() == 0.0
+    assert feed.fault() is None
+
+
 def test_the_first_messages_do_not_count_as_loss() -> None:
     feed = Feed()
     for seq in (0, 2, 5):
