@@ -1,7 +1,6 @@
 """``python -m services.controller``."""
 
-import sys
-
 from services.controller.main import main
+from shared.process import end
 
-sys.exit(main())
+end(main())

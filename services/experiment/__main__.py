@@ -1,7 +1,6 @@
 """``python -m services.experiment``."""
 
-import sys
-
 from services.experiment.main import main
+from shared.process import end
 
-sys.exit(main())
+end(main())

@@ -1,7 +1,6 @@
 """``python -m services.router``."""
 
-import sys
-
 from services.router.main import main
+from shared.process import end
 
-sys.exit(main())
+end(main())

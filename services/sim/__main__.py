@@ -1,7 +1,6 @@
 """``python -m services.sim``."""
 
-import sys
-
 from services.sim.main import main
+from shared.process import end
 
-sys.exit(main())
+end(main())

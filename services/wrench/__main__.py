@@ -1,7 +1,6 @@
 """``python -m services.wrench``."""
 
-import sys
-
 from services.wrench.main import main
+from shared.process import end
 
-sys.exit(main())
+end(main())
