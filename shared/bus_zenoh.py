@@ -13,7 +13,7 @@ import zenoh
 
 from shared.bus import NoReply, OnPayload, OnRequest, Work
 from shared.codec import MAP_CAP
-from shared.topics import TOPICS
+from shared.topics import TOPICS, topic_by_key
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 _LEASE_MS = 1000
@@ -189,14 +189,21 @@ class ZenohBus:
         if publisher is None:
             with self._lock:
                 # Declared once: the first put of an undeclared key costs a round trip each time.
-                publisher = self._publishers[key] = self._session.declare_publisher(
-                    self._full(key),
-                    encoding=zenoh.Encoding("application/msgpack"),
-                    congestion_control=zenoh.CongestionControl.DROP,
-                    priority=zenoh.Priority.REAL_TIME,
-                    express=True,
-                )
+                publisher = self._publishers[key] = self._declare(key)
         publisher.put(payload)
+
+    def _declare(self, key: str) -> zenoh.Publisher:
+        topic = topic_by_key(key)
+        # What is said once, such as a stop, must not be dropped for want of room; what is said again soon, may be.
+        once = topic is not None and topic.rate == 0
+        bulky = topic is not None and topic.cap > MAP_CAP
+        return self._session.declare_publisher(
+            self._full(key),
+            encoding=zenoh.Encoding("application/msgpack"),
+            congestion_control=zenoh.CongestionControl.BLOCK if once else zenoh.CongestionControl.DROP,
+            priority=zenoh.Priority.DATA_LOW if bulky else zenoh.Priority.REAL_TIME,
+            express=True,
+        )
 
     def subscribe(self, key: str, on_payload: OnPayload, work: Work | None = None) -> None:
         """Have every payload that arrives under the key handed over, from one of Zenoh's threads.

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import secrets
-import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 from shared.bus import Bus
 from shared.clock import Clock, SteadyClock
-from shared.codec import Rejected, decode_map, encode, encode_map
+from shared.codec import Rejected, decode_map, encode_map
 from shared.fields import Record
 from shared.inlet import Inlet, Received
-from shared.messages import Header
 from shared.parameters import Refused
+from shared.publisher import Publisher
 from shared.topics import Query, Topic
 
 M = TypeVar("M", bound=Record)
@@ -25,17 +23,7 @@ class Client:
     def __init__(self, bus: Bus, clock: Clock | None = None) -> None:
         self.bus = bus
         self.clock = clock or SteadyClock()
-        self._session = secrets.randbits(62)
-        self._sequence: dict[str, int] = {}
-        self._lock = threading.Lock()
-
-    def publish(self, topic: Topic, message: Record, valid: bool = True) -> None:
-        """Publish one message."""
-        with self._lock:
-            sequence = self._sequence.get(topic.key, 0)
-            self._sequence[topic.key] = sequence + 1
-        header = Header(sequence, self._session, self.clock.now_ns(), valid)
-        self.bus.publish(topic.key, encode(message, header))
+        self.publish = Publisher(bus, self.clock).publish
 
     def watch(self, topic: Topic[M], on_message: Callable[[Received[M]], None] | None = None) -> Inlet[M]:
         """Subscribe; ``on_message`` is called from a thread of the bus and has to return at once."""

@@ -14,7 +14,8 @@ from shared.bus_zenoh import BusError, ZenohBus
 from shared.clock import SteadyClock, seconds
 from shared.config import Misconfigured, complain, settings
 from shared.parameters import Parameters, Refused
-from shared.runner import Runner, Service
+from shared.runner import Runner
+from shared.service import Service
 
 P = TypeVar("P", bound=Parameters)
 

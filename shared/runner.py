@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
-import secrets
 from collections.abc import Callable
 
 from shared import faults
 from shared.bus import Bus, Work
 from shared.clock import Clock, nanoseconds, seconds
-from shared.codec import encode
 from shared.faults import Fault
-from shared.fields import Record
 from shared.inlet import Inlet, Received
-from shared.messages import Header
+from shared.publisher import Publisher
 from shared.queries import QueryDesk
 from shared.service import Inputs, Reading, Service
 from shared.timing import HealthReporter, LoopTiming
@@ -57,8 +54,7 @@ class Runner:
         self._bus = bus
         self._clock = clock
         self._report = report
-        self._session = secrets.randbits(62)
-        self._sequence: dict[str, int] = {}
+        self.publish = Publisher(bus, clock).publish
         wiring = service.wiring
         self._driver = wiring.driver if isinstance(wiring.driver, Topic) else None
         self._period_ns = 0 if isinstance(wiring.driver, Topic) else nanoseconds(wiring.driver)
@@ -233,14 +229,6 @@ class Runner:
         if kind != self._reported:
             self._reported = kind
             self._report(f"{self.service.wiring.name}: {'working' if fault is None else fault.text}")
-
-    def publish(self, topic: Topic, message: Record, valid: bool = True, stamp: int | None = None) -> None:
-        """Send one message with this process' header; ``stamp`` [ns] is when its content was true, now if not given."""
-        sequence = self._sequence.get(topic.key, 0)
-        self._sequence[topic.key] = sequence + 1
-        stamp = self._clock.now_ns() if stamp is None else stamp
-        header = Header(sequence, self._session, stamp, valid)
-        self._bus.publish(topic.key, encode(message, header))
 
     def close(self) -> None:
         """Brake once more, so that the robot need not wait for silence."""

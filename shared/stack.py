@@ -7,7 +7,8 @@ from collections.abc import Callable
 from shared.bus_local import LocalBus, Scheduler
 from shared.client import Client
 from shared.clock import nanoseconds
-from shared.runner import Runner, Service
+from shared.runner import Runner
+from shared.service import Service
 
 
 class Stack:

@@ -1,0 +1,37 @@
+"""Sends messages with one participant's headers."""
+
+from __future__ import annotations
+
+import secrets
+import threading
+
+from shared.bus import Bus
+from shared.clock import Clock
+from shared.codec import encode
+from shared.fields import Record
+from shared.messages import Header
+from shared.topics import Topic
+
+
+class Publisher:
+    """Numbers the messages of each topic within one session, drawn at random.
+
+    Args:
+        bus: where to send.
+        clock: the participant's steady clock.
+    """
+
+    def __init__(self, bus: Bus, clock: Clock) -> None:
+        self._bus = bus
+        self._clock = clock
+        self._session = secrets.randbits(62)
+        self._next: dict[str, int] = {}
+        self._lock = threading.Lock()
+
+    def publish(self, topic: Topic, message: Record, valid: bool = True, stamp: int | None = None) -> None:
+        """Send one message; ``stamp`` [ns] is when its content was true, now if not given."""
+        with self._lock:
+            sequence = self._next.get(topic.key, 0)
+            self._next[topic.key] = sequence + 1
+        stamp = self._clock.now_ns() if stamp is None else stamp
+        self._bus.publish(topic.key, encode(message, Header(sequence, self._session, stamp, valid)))
