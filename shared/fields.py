@@ -84,6 +84,7 @@ class Vector(Kind):
 
     size: int | None = 3
     above: float = -math.inf
+    minimum: float = -math.inf
 
     def check(self, value: Any, name: str) -> np.ndarray:
         return _read_only(self.numbers(value, name))
@@ -101,10 +102,11 @@ class Vector(Kind):
         # Floats with a finite sum are finite floats: settles the usual case in a fifth of the time.
         if not (set(map(type, value)) <= _FLOAT_ONLY and math.isfinite(sum(value))):
             value = [_finite(element, name) for element in value]
-        if self.above > -math.inf and min(value, default=math.inf) <= self.above:
+        least = min(value, default=math.inf)
+        if least <= self.above or least < self.minimum:
+            bound = f"above {self.above:g}" if self.above > -math.inf else f"at least {self.minimum:g}"
             raise InvalidField(
-                f"{name} is {_shown(value)}, wanted every element above {self.above:g}"
-                f"{self.unit and ' ' + self.unit}"
+                f"{name} is {_shown(value)}, wanted every element {bound}{self.unit and ' ' + self.unit}"
             )
         return value
 

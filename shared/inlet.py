@@ -13,7 +13,7 @@ from shared.clock import Clock, nanoseconds, seconds
 from shared.codec import Rejected, decode
 from shared.faults import Fault
 from shared.fields import Record
-from shared.messages import Header
+from shared.messages import LONGEST_TTL, Header
 from shared.topics import ANYBODY, Topic
 
 M = TypeVar("M", bound=Record)
@@ -89,7 +89,9 @@ class Inlet(Generic[M]):
     @property
     def age_limit(self) -> float:
         """Age [s] above which the last message is not used."""
-        return max(self.topic.max_age, PERIODS_TO_SILENCE * min(self._period or SLOWEST_PERIOD, SLOWEST_PERIOD))
+        return max(
+            self.topic.max_age, PERIODS_TO_SILENCE * min(self._period or SLOWEST_PERIOD, SLOWEST_PERIOD)
+        )
 
     def offer(self, payload: bytes) -> None:
         """Take in a payload as it arrived; a bad one is counted and changes nothing else."""
@@ -155,9 +157,10 @@ class Inlet(Generic[M]):
 
     def _held(self, last: Received[M], arrival: int) -> bool:
         """Whether the last message's session still holds the topic; a command holds it for as long as it acts."""
-        if self.topic.publisher == ANYBODY:
+        if ANYBODY in self.topic.publishers:
             return False
-        silence = min(getattr(last.message, "ttl", self.age_limit), HANDOVER_LIMIT)
+        ttl = getattr(last.message, "ttl", None)
+        silence = min(self.age_limit, HANDOVER_LIMIT) if ttl is None else min(ttl, LONGEST_TTL)
         return arrival - last.arrival_ns < nanoseconds(silence)
 
     def _trim(self, now: int) -> None:

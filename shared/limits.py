@@ -11,10 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shared.messages import LONGEST_TTL
 from shared.spatial import Array
 
-LONGEST_TTL = 0.2
-"""A command is never executed for longer than this [s], whatever ``ttl`` it asks for."""
 _INSTANT = 1e-9
 """Less time [s] than this is none."""
 

@@ -27,6 +27,8 @@ from shared.fields import (
     of,
 )
 
+LONGEST_TTL = 0.2
+"""No command is executed for longer than this [s] after its publication, whatever its ``ttl`` says."""
 _ZERO3 = (0.0, 0.0, 0.0)
 
 
@@ -170,7 +172,9 @@ class ExternalWrench(Record):
 
     force: np.ndarray = of(Vector("N"))
     torque: np.ndarray = of(Vector("Nm", "about the tool's origin"))
-    error_bound: np.ndarray = of(Vector("N, Nm", "noise, bias and compensation residual", size=6))
+    error_bound: np.ndarray = of(
+        Vector("N, Nm", "noise, bias and compensation residual", size=6, minimum=0.0)
+    )
     compensation: str = of(Text(choices=("none", "tare", "payload")))
     fault: str = of(Text(doc="empty, or silent, stuck, saturated, invalid"))
 

@@ -26,7 +26,7 @@ class Topic(Generic[M]):
         message: class of its messages.
         rate: nominal rate [Hz]; 0 = on change only.
         max_age: age [s] up to which a reader may use the last message; infinite = until replaced.
-        publisher: the only service allowed to publish it.
+        publishers: the only services allowed to publish it, one at a time.
         cap: largest payload [bytes].
     """
 
@@ -34,8 +34,13 @@ class Topic(Generic[M]):
     message: type[M]
     rate: float
     max_age: float
-    publisher: str
+    publishers: tuple[str, ...]
     cap: int = MAP_CAP
+
+    @property
+    def publisher(self) -> str:
+        """Who publishes it, in words."""
+        return " or ".join(self.publishers)
 
 
 @dataclass(frozen=True)
@@ -55,27 +60,27 @@ class Query:
     reply: str
 
 
-SENSOR_FT = Topic("sensor/ft", m.FtSample, 100, 0.03, ROBOT)
-SENSOR_CAMERA = Topic("sensor/camera", m.CameraImage, 10, 0.5, ROBOT, cap=4 * 1024 * 1024)
-STATE_JOINTS = Topic("state/joints", m.JointState, 100, 0.1, ROBOT)
-STATE_EE = Topic("state/ee", m.EndEffector, 100, 0.1, ROBOT)
-STATE_BASE = Topic("state/base", m.BaseState, 50, 0.2, ROBOT)
-STATE_GRIPPER = Topic("state/gripper", m.GripperState, 20, 0.5, ROBOT)
-STATE_ROBOT = Topic("state/robot", m.RobotStatus, 5, 1.0, ROBOT)
+SENSOR_FT = Topic("sensor/ft", m.FtSample, 100, 0.03, (ROBOT,))
+SENSOR_CAMERA = Topic("sensor/camera", m.CameraImage, 10, 0.5, (ROBOT,), cap=4 * 1024 * 1024)
+STATE_JOINTS = Topic("state/joints", m.JointState, 100, 0.1, (ROBOT,))
+STATE_EE = Topic("state/ee", m.EndEffector, 100, 0.1, (ROBOT,))
+STATE_BASE = Topic("state/base", m.BaseState, 50, 0.2, (ROBOT,))
+STATE_GRIPPER = Topic("state/gripper", m.GripperState, 20, 0.5, (ROBOT,))
+STATE_ROBOT = Topic("state/robot", m.RobotStatus, 5, 1.0, (ROBOT,))
 
-COMMAND_EE_TWIST = Topic("command/ee_twist", m.TwistCommand, 100, 0.05, "controller")
-COMMAND_BASE_TWIST = Topic("command/base_twist", m.BaseTwistCommand, 100, 0.1, "base")
-COMMAND_GRIPPER = Topic("command/gripper", m.GripperCommand, 0, math.inf, "task")
-COMMAND_HEAD = Topic("command/head", m.HeadCommand, 0, math.inf, "task")
-STOP = Topic("stop", m.Stop, 0, math.inf, ANYBODY)
+COMMAND_EE_TWIST = Topic("command/ee_twist", m.TwistCommand, 100, 0.05, ("controller",))
+COMMAND_BASE_TWIST = Topic("command/base_twist", m.BaseTwistCommand, 100, 0.1, ("base",))
+COMMAND_GRIPPER = Topic("command/gripper", m.GripperCommand, 0, math.inf, ("task",))
+COMMAND_HEAD = Topic("command/head", m.HeadCommand, 0, math.inf, ("task",))
+STOP = Topic("stop", m.Stop, 0, math.inf, (ANYBODY,))
 
-WRENCH_EXTERNAL = Topic("wrench/external", m.ExternalWrench, 100, 0.03, "wrench")
-CONTROL_TARGET = Topic("control/target", m.ControlTarget, 5, math.inf, "task")
-CONTROL_STATUS = Topic("control/status", m.ControlStatus, 100, 1.0, "controller")
-BASE_STATUS = Topic("base/status", m.BaseStatus, 100, 1.0, "base")
-BASE_ENABLE = Topic("base/enable", m.Enable, 5, 1.0, "task")
-TASK_STATUS = Topic("task/status", m.TaskStatus, 5, 1.0, "task")
-SIM_WORLD = Topic("sim/world", m.SimWorld, 30, 0.5, ROBOT)
+WRENCH_EXTERNAL = Topic("wrench/external", m.ExternalWrench, 100, 0.03, ("wrench",))
+CONTROL_TARGET = Topic("control/target", m.ControlTarget, 5, math.inf, ("task", "experiment"))
+CONTROL_STATUS = Topic("control/status", m.ControlStatus, 100, 1.0, ("controller",))
+BASE_STATUS = Topic("base/status", m.BaseStatus, 100, 1.0, ("base",))
+BASE_ENABLE = Topic("base/enable", m.Enable, 5, 1.0, ("task",))
+TASK_STATUS = Topic("task/status", m.TaskStatus, 5, 1.0, ("task",))
+SIM_WORLD = Topic("sim/world", m.SimWorld, 30, 0.5, (ROBOT,))
 
 TOPICS: tuple[Topic, ...] = (
     SENSOR_FT,
@@ -144,7 +149,7 @@ HEALTH_RATE = 2.0
 
 def health_topic(service: str) -> Topic[m.Health]:
     """The health of one service."""
-    return Topic(f"health/{service}", m.Health, HEALTH_RATE, 1.0, service)
+    return Topic(f"health/{service}", m.Health, HEALTH_RATE, 1.0, (service,))
 
 
 def topic_by_key(key: str) -> Topic | None:

@@ -51,8 +51,8 @@ def value(kind: Kind, length: int = 3) -> st.SearchStrategy[Any]:
             return _quaternion()
         case Vector():
             size = kind.size if kind.size is not None else length
-            lowest = kind.above if kind.above > -math.inf else -_LARGE
-            element = st.floats(lowest, _LARGE, exclude_min=kind.above > -math.inf)
+            lowest = max(kind.above, kind.minimum, -_LARGE)
+            element = st.floats(lowest, _LARGE, exclude_min=kind.above == lowest)
             return st.lists(element, min_size=size, max_size=size)
         case Number():
             return _number(kind)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from shared.codec import MAP_CAP
 from shared.faults import FaultKind
 from shared.inlet import HANDOVER_LIMIT, Inlet
-from shared.messages import Header, Stop, TwistCommand
+from shared.messages import LONGEST_TTL, Header, Stop, TwistCommand
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, STOP, WRENCH_EXTERNAL
 from tests.shared.rig import DECLARED_DELAY, ZERO, Feed, ManualClock, Publisher, ft_sample, target, wrench
 
@@ -85,7 +85,7 @@ def test_a_second_session_takes_over_after_the_silence() -> None:
     assert feed.inlet.second_session == 2
 
 
-@pytest.mark.parametrize(("ttl", "held"), [(0.02, 0.02), (0.2, 0.2), (1e9, HANDOVER_LIMIT)])
+@pytest.mark.parametrize(("ttl", "held"), [(0.02, 0.02), (0.2, 0.2), (1e9, LONGEST_TTL)])
 def test_a_command_holds_its_topic_for_its_ttl(ttl: float, held: float) -> None:
     feed = Feed(COMMAND_EE_TWIST, lambda: TwistCommand(ZERO, ZERO, ttl))
     feed.run(1)

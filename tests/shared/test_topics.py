@@ -71,7 +71,7 @@ CONTRACT: dict[str, tuple[str, dict[str, object]]] = {
         },
     ),
     "control/target": (
-        "task",
+        "task or experiment",
         {
             "position": V3,
             "orientation": V4,
