@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import Any, Literal, Self, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -113,5 +113,21 @@ def _one_line(problem: ValidationError, cls: type[Parameters]) -> str:
     where = " ".join(".".join(str(part) for part in first["loc"]).split())[:60]
     if first["type"] == "extra_forbidden":
         return f"{where} is no parameter; there are {', '.join(cls.model_fields)}"
-    given = repr(first.get("input"))
-    return f"{where} is {given[:60]}: {first['msg']}"
+    name = str(first["loc"][0])
+    wanted = _wanted(cls.model_fields[name].annotation)
+    where = name if wanted else where
+    given = repr(_plain(first.get("input")))
+    return (
+        f"{where} is {given[:60]}, wanted {wanted}" if wanted else f"{where} is {given[:60]}: {first['msg']}"
+    )
+
+
+def _wanted(annotation: Any) -> str:
+    """What a value of a scalar or vector parameter has to be; empty for anything else, which pydantic describes."""
+    if annotation in (Vector3, Vector6):
+        return f"{len(get_args(annotation))} numbers"
+    if get_origin(annotation) is Literal:
+        return "one of " + ", ".join(map(repr, get_args(annotation)))
+    return {float: "a finite number", int: "a whole number", bool: "true or false", str: "text"}.get(
+        annotation, ""
+    )

@@ -132,3 +132,12 @@ def test_the_table_can_travel() -> None:
     assert table["low"]["min"] is None and table["low"]["max"] is None
     assert table["limit"]["value"] == [25.0, 25.0, 25.0]
     assert table["zones"]["value"] == [{"stiffness": 5.0}]
+
+
+def test_a_vector_of_the_wrong_length_is_refused_with_its_name_and_the_length_wanted():
+    class Speeds(Parameters):
+        limits: Vector3 = parameter((1.0, 1.0, 1.0), unit="m/s", minimum=0.0, maximum=2.0, doc="limits")
+
+    for wrong in ([1.0, 2.0], [1.0] * 4, ["x"] * 3, 3.0):
+        with pytest.raises(Refused, match=r"^limits is .*, wanted 3 numbers$"):
+            Speeds.of({"limits": wrong})
