@@ -20,11 +20,12 @@ from shared.messages import ControlTarget
 from shared.runner import Runner
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, health_topic
 from tests.support.stub_robot import StubParameters, StubRobot
+from tests.support.wait import eventually
 
 WARM_UP = 1.0
 """Time [s] between the first command that the gate executes and the measurement."""
 PATIENCE = 20.0
-"""Longest time [s] to wait for that command."""
+"""Longest time [s] to wait for the services, and for that command."""
 SERVICES = ("wrench", "controller")
 
 
@@ -60,6 +61,7 @@ class Probe:
 
     def __init__(self, endpoint: str, rate: float) -> None:
         self.bus = TimedBus(endpoint)
+        eventually(lambda: self.bus.living() >= set(SERVICES), PATIENCE, "wrench and controller run")
         self.robot = StubRobot(StubParameters(rate=rate))
         client = Client(self.bus)
         self.health = [client.watch(health_topic(name)) for name in SERVICES]

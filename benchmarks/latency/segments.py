@@ -6,7 +6,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,8 +16,6 @@ from tests.support.ports import free_endpoint, free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 ROS_PYTHON = "/usr/bin/python3"
-SETTLING = 3.0
-"""Time [s] after which all other processes run and wait for the robot."""
 
 
 class Failed(RuntimeError):
@@ -124,9 +121,8 @@ def chain(rate: float, seconds: float) -> Segment:
 def started() -> float:
     """Time [s] from the first sample of the stub robot to the first command that its gate executes."""
     with Processes() as processes:
-        endpoint = _services(processes)
-        time.sleep(SETTLING)
-        return processes.measure("benchmarks.latency.chain_probe", endpoint, "100", "0").first_command
+        probe = "benchmarks.latency.chain_probe"
+        return processes.measure(probe, _services(processes), "100", "0").first_command
 
 
 def _services(processes: Processes) -> str:
