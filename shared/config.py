@@ -14,6 +14,7 @@ from typing import Any, Generic, NoReturn, TypeVar
 
 from shared.bus_zenoh import DEFAULT_ENDPOINT
 from shared.parameters import Parameters, Refused
+from shared.topics import SERVICES
 
 P = TypeVar("P", bound=Parameters)
 
@@ -119,6 +120,11 @@ def _table(path: Path, service: str) -> Mapping[str, Any]:
         raise Misconfigured(f"--config {path}: {problem.strerror}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as problem:
         raise Misconfigured(f"--config {path}: not TOML ({problem})") from None
+    unknown = [
+        key for key, value in content.items() if isinstance(value, dict) and key not in (*SERVICES, service)
+    ]
+    if unknown:
+        raise Misconfigured(f"--config {path}: [{unknown[0]}] is no service; there are {', '.join(SERVICES)}")
     table = content.get(service, {})
     if not isinstance(table, dict):
         raise Misconfigured(f"--config {path}: {service} is {table!r}, wanted a table [{service}]")

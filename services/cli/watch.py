@@ -9,9 +9,7 @@ from shared import topics
 from shared.bus import Bus
 from shared.clock import Clock, SteadyClock
 from shared.inlet import Inlet
-from shared.topics import Topic, health_topic
-
-KNOWN_SERVICES = ("sim", "wrench", "controller", "base", "task", "viewer", "experiment")
+from shared.topics import SERVICES, Topic, health_topic
 
 
 class Watch:
@@ -22,7 +20,7 @@ class Watch:
         self._clock = clock or SteadyClock()
         self._bus = bus
         watched: list[Topic] = [topic for topic in topics.TOPICS if topic is not topics.SENSOR_CAMERA]
-        watched += [health_topic(service) for service in KNOWN_SERVICES]
+        watched += [health_topic(service) for service in SERVICES]
         self.inlets = {topic.key: Inlet(topic, self._clock) for topic in watched}
         for key, inlet in self.inlets.items():
             bus.subscribe(key, inlet.offer)
@@ -40,7 +38,7 @@ class Watch:
     def health(self) -> dict[str, Heard]:
         """Every service of which health was heard."""
         heard = {}
-        for service in KNOWN_SERVICES:
+        for service in SERVICES:
             inlet = self.inlets[f"health/{service}"]
             if inlet.latest is not None:
                 heard[service] = Heard(inlet.latest.message, inlet.age(self._clock.now_ns()))
