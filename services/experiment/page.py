@@ -13,7 +13,7 @@ from services.experiment.judge import Claim
 _STYLE = """
 :root { color-scheme: light; --ink: #1c1c1c; --soft: #5c5c5c; --line: #dcdcdc; --good: #00694d; --bad: #b00020; }
 body { font: 16px/1.55 system-ui, "DejaVu Sans", sans-serif; color: var(--ink); background: #fff; margin: 0; }
-main { max-width: 60rem; margin: 0 auto; padding: 2.5rem 1.5rem 4rem; }
+main { max-width: 66rem; margin: 0 auto; padding: 2.5rem 1.5rem 4rem; }
 h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 .3rem; }
 h2 { font-size: 1.2rem; margin: 2.6rem 0 .6rem; }
 p, li { max-width: 46rem; }
@@ -23,7 +23,7 @@ p, li { max-width: 46rem; }
 table { border-collapse: collapse; width: 100%; font-size: .9rem; }
 th, td { text-align: left; padding: .38rem .7rem .38rem 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 th { font-weight: 600; } td.run { font-weight: 600; white-space: nowrap; }
-td.number { font-variant-numeric: tabular-nums; }
+td.number { font-variant-numeric: tabular-nums; white-space: nowrap; }
 .mark { font-weight: 700; white-space: nowrap; } .pass .mark { color: var(--good); } .fail .mark { color: var(--bad); }
 tr.first td { border-top: 2px solid #9a9a9a; }
 figure { margin: 1.2rem 0 2rem; } figure img, video { width: 100%; height: auto; }
