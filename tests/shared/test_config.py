@@ -14,7 +14,7 @@ from shared.process import run
 from tests.shared.rig import Recorder, RecorderParameters
 
 CONFIG = """\
-[other]
+[viewer]
 unknown = 1
 
 [recorder]
