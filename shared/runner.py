@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 from shared import faults
+from shared.arming import REARM_AFTER, Arming
 from shared.bus import Bus, Work
 from shared.clock import Clock, nanoseconds, seconds
 from shared.faults import Fault
@@ -18,9 +19,6 @@ from shared.topics import Topic
 
 BRAKE_PERIOD = 0.05
 """Time [s] between two braking outputs while an input is silent."""
-REARM_AFTER = 0.1
-"""A fault, or an absence of the loop itself, that lasts longer than this [s] has to be followed by healthy inputs for
-the whole start-up time."""
 STALL_PERIODS = 5
 """A step that is late by more than this many periods brakes instead."""
 LONGEST_DT = 0.1
@@ -66,9 +64,7 @@ class Runner:
         self._seen: dict[str, int] = {}
         self._sessions: dict[str, int] = {}
         self._stepped = 0
-        self._healthy_since: int | None = None
-        self._faulty_since: int | None = now
-        self._armed = not wiring.required
+        self._arming = Arming(now, wiring.startup, needed=bool(wiring.required))
         self._reported = ""
         self.fault: Fault | None = None
         self.timing = LoopTiming(clock)
@@ -96,7 +92,7 @@ class Runner:
         now = self._clock.now_ns()
         if now - self.next_deadline() > nanoseconds(REARM_AFTER):
             # The whole process was stopped or starved: nobody watched the inputs meanwhile.
-            self._armed, self._healthy_since = not self.service.wiring.required, None
+            self._arming.restart()
         if self._driver is None:
             if now >= self._next_tick:
                 self._tick(now)
@@ -152,29 +148,15 @@ class Runner:
         )
         if worst is None:
             worst = self.timing.fault(now, wiring.overrun_share)
-        sessions = {key: inlet.latest.header.session for key, inlet in self.inlets.items() if inlet.latest}
-        restarted = any(
-            sessions[topic.key] != self._sessions.get(topic.key, sessions[topic.key])
+        sessions = {
+            topic.key: latest.header.session
             for topic in wiring.required
-            if topic.key in sessions
-        )
+            if (latest := self.inlets[topic.key].latest) is not None
+        }
+        if any(self._sessions.get(key, session) != session for key, session in sessions.items()):
+            self._arming.restart()
         self._sessions = sessions
-        if restarted:
-            self._armed, self._healthy_since = False, None
-        if worst is not None:
-            self._faulty_since = now if self._faulty_since is None else self._faulty_since
-            self._healthy_since = None
-            if now - self._faulty_since > nanoseconds(REARM_AFTER):
-                self._armed = not wiring.required
-            return worst
-        self._faulty_since = None
-        if not self._armed:
-            self._healthy_since = now if self._healthy_since is None else self._healthy_since
-            left = wiring.startup - seconds(now - self._healthy_since)
-            if left > 0:
-                return faults.arming(left)
-            self._armed = True
-        return None
+        return self._arming.judge(now, worst)
 
     def _call(self, now: int, fault: Fault | None) -> None:
         dt = min(seconds(now - self._last_call), LONGEST_DT)
