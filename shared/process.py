@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import gc
-import os
 import signal
 import sys
 import threading
 from collections.abc import Callable
-from typing import NoReturn, TypeVar
+from typing import TypeVar
 
 from shared.bus_zenoh import BusError, ZenohBus
 from shared.clock import SteadyClock, seconds
@@ -59,17 +58,6 @@ def run(
     finally:
         bus.close()
     return 0
-
-
-def end(status: int) -> NoReturn:
-    """End this process now, with everything printed.
-
-    A thread of Zenoh that waits for the interpreter while it is taken down aborts the process, closed session or not;
-    so it is not taken down.
-    """
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(status)
 
 
 class Loop:

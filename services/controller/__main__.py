@@ -1,6 +1,5 @@
 """``python -m services.controller``."""
 
-from services.controller.main import main
-from shared.process import end
+from shared.entry import enter
 
-end(main())
+enter("services.controller.main")

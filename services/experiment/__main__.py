@@ -1,6 +1,5 @@
 """``python -m services.experiment``."""
 
-from services.experiment.main import main
-from shared.process import end
+from shared.entry import enter
 
-end(main())
+enter("services.experiment.main")

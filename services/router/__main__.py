@@ -1,6 +1,5 @@
 """``python -m services.router``."""
 
-from services.router.main import main
-from shared.process import end
+from shared.entry import enter
 
-end(main())
+enter("services.router.main")

@@ -1,6 +1,5 @@
 """``python -m services.sim``."""
 
-from services.sim.main import main
-from shared.process import end
+from shared.entry import enter
 
-end(main())
+enter("services.sim.main")

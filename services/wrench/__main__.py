@@ -1,6 +1,5 @@
 """``python -m services.wrench``."""
 
-from services.wrench.main import main
-from shared.process import end
+from shared.entry import enter
 
-end(main())
+enter("services.wrench.main")
