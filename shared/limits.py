@@ -17,6 +17,8 @@ from shared.spatial import Array
 _INSTANT = 1e-9
 """Less time [s] than this is none."""
 
+SILENCE = 0.1
+"""Time [s] past its ``ttl`` after which a moving command counts as the last one before a silence."""
 _LONGEST_REASON = 200
 """Characters kept of a stop's reason: it travels on in the robot's status, which has a largest size."""
 
@@ -48,6 +50,12 @@ class Gate:
 
     Whatever has to be shortened is shortened as a whole vector: for the certified law every shortened twist is
     certified too, a bent one need not be.
+
+    Attributes:
+        clamped: number of commands that asked for more than is allowed.
+        expired: number of motions that silence broke off. Commands that come more slowly than their ``ttl`` end are
+            one motion.
+        late: number of commands that arrived past their ``ttl``.
     """
 
     def __init__(self, limits: GateLimits) -> None:
@@ -58,6 +66,8 @@ class Gate:
         self._stopped = ""
         self.clamped = 0
         self.expired = 0
+        self.late = 0
+        self._broken_off = False
 
     def command(self, linear: Array, angular: Array, ttl: float, age: float, valid: bool = True) -> None:
         """Take over the newest command; call it once per command.
@@ -70,6 +80,7 @@ class Gate:
             valid: false if its publisher marks it as not to be trusted; then it means stop.
         """
         wanted = np.concatenate((linear, angular))
+        self._broken_off = False
         if not (valid and np.isfinite(wanted).all() and math.isfinite(ttl) and math.isfinite(age)):
             self._wanted, self._left = np.zeros(6), 0.0
             return
@@ -80,6 +91,9 @@ class Gate:
             self.clamped += 1
         self._wanted = wanted / max(excess, 1.0)
         self._left = min(ttl, LONGEST_TTL) - max(age, 0.0)
+        if self._left <= _INSTANT:
+            self.late += 1
+            self._wanted = np.zeros(6)
 
     def stop(self, engaged: bool, reason: str) -> None:
         """Engage or release the stop; it stays engaged until released."""
@@ -95,8 +109,7 @@ class Gate:
             raise ValueError(f"dt is {dt}, wanted a finite duration in seconds")
         moving = bool(self._wanted.any())
         if self._stopped or self._left <= _INSTANT:
-            if moving and not self._stopped:
-                self.expired += 1
+            self._broken_off = not self._stopped and (moving or self._broken_off)
             self._wanted = np.zeros(6)
             self._executed = np.zeros(6)
         elif moving:
@@ -106,6 +119,9 @@ class Gate:
         else:
             self._executed = np.zeros(6)
         self._left -= dt
+        if self._broken_off and -self._left >= SILENCE:
+            self.expired += 1
+            self._broken_off = False
         return self._executed.copy()
 
     def _reachable(self, dt: float) -> float:

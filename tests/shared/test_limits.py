@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shared.limits import LONGEST_TTL, Gate, GateLimits
+from shared.limits import LONGEST_TTL, SILENCE, Gate, GateLimits
 
 LIMITS = GateLimits(0.25, 0.5, 1.0, 2.0)
 DT = 0.002
@@ -168,7 +168,7 @@ def test_the_age_of_a_command_counts_towards_its_ttl() -> None:
     gate = Gate(LIMITS)
     gate.command(np.array((0.1, 0.0, 0.0)), np.zeros(3), ttl=0.05, age=0.06)
     assert not gate.advance(DT).any()
-    assert gate.expired == 1 and gate.mode == "holding"
+    assert gate.late == 1 and gate.expired == 0 and gate.mode == "holding"
 
 
 def test_an_invalid_command_means_stop() -> None:
@@ -188,10 +188,23 @@ def test_a_command_that_is_not_finite_means_stop(bad: float) -> None:
 
 def test_a_silent_controller_is_counted_once() -> None:
     gate = gate_with((0.1, 0.0, 0.0), ttl=0.01)
-    for _ in range(50):
+    for _ in range(round((0.01 + SILENCE) / DT) - 1):
+        gate.advance(DT)
+    assert gate.expired == 0
+    for _ in range(200):
         gate.advance(DT)
     assert gate.expired == 1
     assert gate.mode == "holding" and gate.reason == "no fresh command"
+
+
+def test_commands_slower_than_their_ttl_are_one_motion() -> None:
+    gate = gate_with((0.1, 0.0, 0.0), ttl=0.02)
+    for _ in range(60):
+        for _ in range(16):
+            gate.advance(DT)
+        assert gate.mode == "holding"
+        gate.command(np.array((0.1, 0.0, 0.0)), np.zeros(3), 0.02, age=0.0)
+    assert gate.expired == 0
 
 
 def test_a_stop_is_latched_until_it_is_released() -> None:
