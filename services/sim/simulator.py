@@ -16,10 +16,11 @@ from services.sim.state import JointSensors
 from services.sim.world import World
 from shared import topics
 from shared.faults import Fault
-from shared.limits import Gate, GateLimits
-from shared.messages import BagState, BaseState, FtSample, GripperState, RobotStatus, SimWorld
+from shared.limits import GateLimits
+from shared.messages import BagState, BaseState, FtSample, GripperState, SimWorld
 from shared.parameters import Parameters
-from shared.service import Inputs, Output, Reading, Wiring
+from shared.robot_side import RobotSide
+from shared.service import Inputs, Output, Wiring
 from shared.spatial import quaternion
 from shared.topics import Query
 
@@ -40,25 +41,22 @@ class Simulator:
         # Real time per simulated time: the gate's deadlines are promises in real time.
         self._stretch = 1.0 / parameters.real_time_factor
         self.world = World(self._ticks.step)
-        self.gate = Gate(
-            GateLimits(
-                parameters.max_linear,
-                parameters.max_angular,
-                parameters.max_linear_acceleration,
-                parameters.max_angular_acceleration,
-            )
+        limits = GateLimits(
+            parameters.max_linear,
+            parameters.max_angular,
+            parameters.max_linear_acceleration,
+            parameters.max_angular_acceleration,
         )
+        self.side = RobotSide(limits, parameters.base_type, simulated=True)
         self._sensor = ForceTorqueSensor(parameters.ft_noise, parameters.ft_bias, parameters.seed)
         self._lines = {"ft": SensorLine(), "joints": SensorLine()}
         self._joints = JointSensors(self.world.arm, self._lines["joints"])
         self._commands = Commands(self.world, self._lines)
         self._pace = Pace()
-        self._pending = False
-        self._told = ("", "")
         self.wiring = Wiring(
             name="sim",
             driver=self._stretch / self._ticks.rate,
-            optional=(topics.COMMAND_EE_TWIST, topics.STOP),
+            optional=RobotSide.INPUTS,
             queries=(topics.SIM_COMMAND,),
             # A late tick is no reason to stop the world: the gate watches over the commands' age.
             overrun_share=1.0,
@@ -67,17 +65,12 @@ class Simulator:
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
         """Simulate one tick; ``dt`` [s] of real time have passed since the last one."""
         self._pace.add(dt, self._stretch / self._ticks.rate)
-        stop = inputs.get(topics.STOP)
-        # A stop engages whatever its publisher thinks of itself; only a sound message releases it.
-        if stop is not None and stop.new and (stop.message.engaged or stop.header.valid):
-            self.gate.stop(stop.message.engaged, stop.message.reason)
-        self._advance(inputs.get(topics.COMMAND_EE_TWIST))
-        return self._outputs(inputs)
+        self._advance(inputs)
+        return [*self._outputs(), *self.side.report(dt, self.world.arm.limited_by)]
 
     def brake(self, fault: Fault, dt: float) -> list[Output]:
         """The world stands still with the process."""
-        self._told = ("holding", fault.text)
-        return [Output(topics.STATE_ROBOT, self._status())]
+        return self.side.hold(fault.text)
 
     def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
         """Answer ``sim/command``."""
@@ -93,19 +86,14 @@ class Simulator:
         faults = (f"{name} sensor: {line.kind}" for name, line in self._lines.items() if line.kind != "ok")
         return "; ".join(note for note in (self._pace.complaint, *faults) if note)
 
-    def _advance(self, command: Reading | None) -> None:
+    def _advance(self, inputs: Inputs) -> None:
         step = self._ticks.step * self._stretch
-        self._pending = self._pending or (command is not None and command.new)
-        for left in range(self._ticks.substeps, 0, -1):
-            if self._pending and command is not None and command.age - left * step > -1e-9:
-                self._pending = False
-                message = command.message
-                age = command.age - left * step
-                self.gate.command(message.linear, message.angular, message.ttl, age, command.header.valid)
-            self.world.advance(self.gate.advance(step))
+        self.side.take(inputs, behind=self._ticks.substeps * step)
+        for _ in range(self._ticks.substeps):
+            self.world.advance(self.side.advance(step))
         self._ticks.advance()
 
-    def _outputs(self, inputs: Inputs) -> list[Output]:
+    def _outputs(self) -> list[Output]:
         tick = 1.0 / self._ticks.rate
         due = self._ticks.due
         ft = [Output(topics.SENSOR_FT, self._ft_sample())] if due(self._settings.ft_rate) else []
@@ -121,10 +109,6 @@ class Simulator:
             outputs.append(Output(topics.STATE_GRIPPER, GripperState(0.0, 0.0, False)))
         if due(topics.SIM_WORLD.rate):
             outputs.append(Output(topics.SIM_WORLD, self._world_state()))
-        told = (self.gate.mode, self._reason(inputs))
-        if due(topics.STATE_ROBOT.rate) or told[0] != self._told[0]:
-            self._told = told
-            outputs.append(Output(topics.STATE_ROBOT, self._status()))
         return outputs
 
     def _ft_sample(self) -> FtSample:
@@ -141,28 +125,3 @@ class Simulator:
         bag = self.world.bag
         state = BagState(bag.mass, bag.height) if bag.present else None
         return SimWorld(self.world.time, None, state, None, self.world.contact_force, False)
-
-    def _reason(self, inputs: Inputs) -> str:
-        """Why commands are not executed, and what was not executed as sent since the start."""
-        counts = ((self.gate.clamped, "clamped"), (self.gate.expired, "expired"))
-        refusals = ((topic.key, inputs.refusals(topic)) for topic in (topics.COMMAND_EE_TWIST, topics.STOP))
-        parts = [
-            self.gate.reason,
-            self.world.arm.limited_by,
-            *(f"commands {what}: {count}" for count, what in counts if count),
-            *(f"{key}: {text}" for key, text in refusals if text),
-        ]
-        return "; ".join(part for part in parts if part)
-
-    def _status(self) -> RobotStatus:
-        limits = self.gate.limits
-        mode, reason = self._told
-        return RobotStatus(
-            mode=mode,
-            reason=reason,
-            base_type=self._settings.base_type,
-            simulated=True,
-            max_linear=limits.max_linear,
-            max_angular=limits.max_angular,
-            max_base=np.zeros(3),
-        )

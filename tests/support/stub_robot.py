@@ -14,10 +14,11 @@ import numpy as np
 
 from shared import topics
 from shared.faults import Fault
-from shared.limits import Gate, GateLimits
-from shared.messages import BaseState, EndEffector, FtSample, GripperState, JointState, RobotStatus
+from shared.limits import GateLimits
+from shared.messages import BaseState, EndEffector, FtSample, GripperState, JointState
 from shared.parameters import Parameters, Refused, Vector3, Vector6, parameter
 from shared.process import run
+from shared.robot_side import RobotSide
 from shared.service import Inputs, Output, Wiring
 from shared.spatial import Array, quaternion, rotation_from_vector, wrench_about
 from shared.topics import Query
@@ -51,7 +52,8 @@ class StubRobot:
     def __init__(self, parameters: StubParameters) -> None:
         self.parameters: Parameters = parameters
         self._settings = parameters
-        self.gate = Gate(GateLimits(parameters.max_linear, parameters.max_angular, 2.0, 4.0))
+        limits = GateLimits(parameters.max_linear, parameters.max_angular, 2.0, 4.0)
+        self.side = RobotSide(limits, parameters.base_type, simulated=False, max_base=(0.5, 0.0, 0.5))
         self.load: Array = np.array(parameters.load)
         self.position: Array = np.array(parameters.position)
         self.rotation: Array = np.eye(3)
@@ -61,48 +63,36 @@ class StubRobot:
         self.twist: Array = np.zeros(6)
         self._random = np.random.default_rng(0)
         self._ticks = 0
-        self._mode, self._reason = self.gate.mode, self.gate.reason
-        self._told = ("", "")
         self.wiring = Wiring(
             name="robot",
             driver=1.0 / parameters.rate,
             optional=(
-                topics.COMMAND_EE_TWIST,
+                *RobotSide.INPUTS,
                 topics.COMMAND_BASE_TWIST,
                 topics.COMMAND_GRIPPER,
                 topics.COMMAND_HEAD,
-                topics.STOP,
             ),
             overrun_share=1.0,
         )
 
     @property
     def executes(self) -> bool:
-        """Whether the gate let a fresh, valid command through in the last tick."""
-        return self._mode == "ready"
+        """Whether the gate lets fresh, valid commands through."""
+        return self.side.mode == "ready"
 
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
         """Execute for ``dt`` [s] what the gate lets through, then say where that led."""
-        stop = inputs.get(topics.STOP)
-        if stop is not None and stop.new:
-            self.gate.stop(stop.message.engaged, stop.message.reason)
-        command = inputs.get(topics.COMMAND_EE_TWIST)
-        if command is not None and command.new:
-            message = command.message
-            self.gate.command(message.linear, message.angular, message.ttl, command.age, command.header.valid)
+        self.side.take(inputs)
         gripper = inputs.get(topics.COMMAND_GRIPPER)
         if gripper is not None:
             self.opening = gripper.message.opening
-        # Asked before the twist is carried out: a command that lasts for one tick is executed all the same.
-        self._mode, self._reason = self.gate.mode, self.gate.reason
         self._move(dt, self._base_velocity(inputs))
         self._ticks += 1
-        return self._outputs(inputs)
+        return [*self._outputs(), *self.side.report(dt)]
 
     def brake(self, fault: Fault, dt: float) -> list[Output]:
         """Nothing moves while the loop is not working."""
-        self._told = ("holding", fault.text)
-        return [Output(topics.STATE_ROBOT, self._status())]
+        return self.side.hold(fault.text)
 
     def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
         """Refuse: this robot answers no queries."""
@@ -119,10 +109,10 @@ class StubRobot:
     def _base_velocity(self, inputs: Inputs) -> Array:
         command = inputs.get(topics.COMMAND_BASE_TWIST)
         live = command is not None and command.header.valid and command.age < command.message.ttl
-        return command.message.velocity if live and self.gate.mode != "stopped" else np.zeros(3)
+        return command.message.velocity if live and self.side.mode != "stopped" else np.zeros(3)
 
     def _move(self, dt: float, base_velocity: Array) -> None:
-        self.twist = self.gate.advance(dt)
+        self.twist = self.side.advance(dt)
         self.position = self.position + dt * self.twist[:3]
         if self.twist[3:].any():
             self.rotation = rotation_from_vector(dt * self.twist[3:]) @ self.rotation
@@ -135,7 +125,7 @@ class StubRobot:
         every = max(1, round(self._settings.rate / rate))
         return self._ticks % every == 0
 
-    def _outputs(self, inputs: Inputs) -> list[Output]:
+    def _outputs(self) -> list[Output]:
         outputs = [Output(topics.SENSOR_FT, self._ft_sample())]
         if self._due(self._settings.joint_rate):
             tool = EndEffector(self.position, quaternion(self.rotation), self.twist[:3], self.twist[3:])
@@ -148,11 +138,6 @@ class StubRobot:
             outputs.append(Output(topics.STATE_BASE, state))
         if self._due(topics.STATE_GRIPPER.rate):
             outputs.append(Output(topics.STATE_GRIPPER, GripperState(self.opening, 0.0, False)))
-        refused = inputs.refusals(topics.COMMAND_EE_TWIST)
-        told = (self._mode, "; ".join(text for text in (self._reason, refused) if text))
-        if self._due(topics.STATE_ROBOT.rate) or told[0] != self._told[0]:
-            self._told = told
-            outputs.append(Output(topics.STATE_ROBOT, self._status()))
         return outputs
 
     def _ft_sample(self) -> FtSample:
@@ -163,19 +148,6 @@ class StubRobot:
         wrench = wrench_about(in_sensor, offset)
         wrench = wrench + self._random.normal(0.0, self._settings.noise)
         return FtSample(wrench[:3], wrench[3:], quaternion(self.rotation), offset, False)
-
-    def _status(self) -> RobotStatus:
-        mode, reason = self._told
-        limits = self.gate.limits
-        return RobotStatus(
-            mode,
-            reason,
-            self._settings.base_type,
-            False,
-            limits.max_linear,
-            limits.max_angular,
-            (0.5, 0.0, 0.5),
-        )
 
 
 if __name__ == "__main__":

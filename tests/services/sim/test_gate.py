@@ -35,6 +35,7 @@ def test_a_fresh_command_moves_it_and_silence_stops_it(rig: Rig) -> None:
     # 20 ms of ttl, then the drives' lag.
     rig.run(0.02 + 6 * DRIVE_LAG)
     assert rig.speed < 1e-3
+    rig.run(0.05)
     assert rig.last(topics.STATE_ROBOT).mode == "holding"
     height = rig.height
     rig.run(1.0)
@@ -119,7 +120,7 @@ def test_stop_brakes_within_20_ms_latches_and_is_released_only_by_a_release(rig:
     rig.move(DOWN, 0.2)
     rig.stack.client.publish(topics.STOP, Stop(True, "somebody shouted"))
     rig.move(DOWN, 0.02)
-    assert rig.simulator.gate.mode == "stopped"
+    assert rig.simulator.side.mode == "stopped"
     rig.move(DOWN, 0.2)
     assert rig.speed < 1e-3
     status = rig.last(topics.STATE_ROBOT)
