@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
 from typing import Any, Literal, Self, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic.fields import FieldInfo
 
 Vector3 = tuple[float, float, float]
 Vector6 = tuple[float, float, float, float, float, float]
@@ -25,6 +27,22 @@ def parameter(
     )
 
 
+def check_range(name: str, value: Any, declared: FieldInfo) -> None:
+    """Hold a value, or each element of a vector, against the range of a parameter declared by ``parameter``.
+
+    Raises:
+        Refused: out of range; the text calls it ``name``.
+    """
+    extra = declared.json_schema_extra
+    if not isinstance(extra, dict):
+        return
+    for element in value if isinstance(value, tuple) else (value,):
+        number = isinstance(element, (int, float)) and not isinstance(element, bool)
+        if number and not extra["min"] <= element <= extra["max"]:
+            allowed = f"{extra['min']:g} to {extra['max']:g} {extra['unit']}".rstrip()
+            raise Refused(f"{name} is {_shown(value)}, allowed is {allowed}")
+
+
 class Parameters(BaseModel):
     """Base of every service's parameters. Immutable; ``changed`` gives a new, checked set."""
 
@@ -35,15 +53,7 @@ class Parameters(BaseModel):
     def model_post_init(self, _context: Any) -> None:
         """Check the declared ranges, which pydantic knows for scalars only."""
         for name, info in type(self).model_fields.items():
-            extra = info.json_schema_extra
-            if not isinstance(extra, dict):
-                continue
-            value = getattr(self, name)
-            for element in value if isinstance(value, tuple) else (value,):
-                number = isinstance(element, (int, float)) and not isinstance(element, bool)
-                if number and not extra["min"] <= element <= extra["max"]:
-                    allowed = f"{extra['min']:g} to {extra['max']:g} {extra['unit']}".rstrip()
-                    raise Refused(f"{name} is {_shown(value)}, allowed is {allowed}")
+            check_range(name, getattr(self, name), info)
         self.check()
 
     def check(self) -> None:
@@ -93,11 +103,15 @@ class Parameters(BaseModel):
 def _plain(value: Any) -> Any:
     if isinstance(value, tuple):
         return [_plain(element) for element in value]
+    if is_dataclass(value):
+        return {part.name: _plain(getattr(value, part.name)) for part in fields(value)}
     return value.model_dump() if isinstance(value, BaseModel) else value
 
 
 def _as_tuple(value: Any) -> Any:
     """Lists, which is what TOML and MessagePack know, as the tuples that immutable parameters hold."""
+    if isinstance(value, dict):
+        return {name: _as_tuple(element) for name, element in value.items()}
     return tuple(_as_tuple(element) for element in value) if isinstance(value, list) else value
 
 

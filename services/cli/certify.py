@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from collections.abc import Iterable
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -58,10 +58,7 @@ def _present(robot: str, connect: str) -> list[str]:
         client = Client(bus)
         target, wrench = client.watch(topics.CONTROL_TARGET), client.watch(topics.WRENCH_EXTERNAL)
         parameters = client.ask(topics.CONTROL_PARAMETERS, {}, FOUND_WITHIN)["parameters"]
-        options = []
-        for name, row in parameters.items():
-            value = row["value"]
-            options += ["--set", f'{name}="{value}"' if isinstance(value, str) else f"{name}={shown(value)}"]
+        options = [part for assignment in assignments(parameters) for part in ("--set", assignment)]
         while (target.latest is None or wrench.latest is None) and time.monotonic() < deadline:
             time.sleep(0.02)
         if target.latest is not None:
@@ -77,5 +74,14 @@ def _present(robot: str, connect: str) -> list[str]:
         bus.close()
 
 
+def assignments(parameters: dict[str, dict[str, Any]]) -> list[str]:
+    """Values for ``--set`` that restore the parameters of a reply (name to row with ``value``), to the last digit."""
+    values = {name: row["value"] for name, row in parameters.items()}
+    return [
+        f'{name}="{value}"' if isinstance(value, str) else f"{name}={shown(value)}"
+        for name, value in values.items()
+    ]
+
+
 def _three(values: Iterable[float]) -> str:
-    return ",".join(f"{value:g}" for value in values)
+    return ",".join(shown(float(value)) for value in values)

@@ -72,12 +72,17 @@ def value_of(text: str) -> Any:
 
 
 def shown(value: Any) -> str:
-    """A value as it can be typed in again."""
+    """A value as it can be typed in again, in TOML; a number with all its digits."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{name} = {shown(part)}' for name, part in value.items())}}}"
     if isinstance(value, list):
         return f"[{', '.join(shown(element) for element in value)}]"
     if isinstance(value, bool):
         return str(value).lower()
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        short = f"{value:g}"
+        return short if float(short) == value else repr(value)
+    return str(value)
 
 
 def _query(service: str) -> Query:

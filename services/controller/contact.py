@@ -9,42 +9,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from operator import mul
 
 import numpy as np
 
+from services.controller.zone import ContactZone
 from shared.spatial import Array
 
 TURN_QUANTUM = 0.006
 """Rotation [rad] that a bound is widened by beyond what is needed now, so that it can be used for some ticks."""
 
 _NEXT = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
-
-
-@dataclass(frozen=True)
-class ContactZone:
-    """A region around the tool in which contacts may lie.
-
-    Attributes:
-        stiffness: kappa [N/m], largest sum of the stiffnesses of all contacts in the zone.
-        reach: (3,) [m] farthest contact from the tool's origin along each tool axis.
-        friction: mu [1], Coulomb coefficient; 0 for contacts that stick or are frictionless.
-    """
-
-    stiffness: float
-    reach: tuple[float, float, float]
-    friction: float = 0.0
-
-    def __post_init__(self) -> None:
-        numbers = (self.stiffness, *self.reach, self.friction)
-        if len(self.reach) != 3 or not all(math.isfinite(number) and number >= 0.0 for number in numbers):
-            raise ValueError(f"a contact zone needs finite numbers >= 0, got {self}")
-
-    @property
-    def amplification(self) -> float:
-        """``m = sqrt(1 + mu^2)``: how much friction lengthens a contact's force."""
-        return math.sqrt(1.0 + self.friction**2)
 
 
 def widened(reach: Sequence[float], turn: float) -> tuple[float, float, float]:

@@ -4,25 +4,13 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
-
-from services.controller.contact import ContactZone
-from shared.parameters import Parameters, Refused, Vector3, Vector6, parameter
+from services.controller.zone import ContactZone
+from shared.parameters import Parameters, Vector3, Vector6, check_range, parameter
 
 LawName = Literal["certified", "paper", "stiffness"]
 
 LARGEST_TTL = 0.2
 """Longest time to live [s] of a command that the contract allows."""
-
-
-class Zone(BaseModel):
-    """A further contact zone of the configuration file, ``[[controller.zones]]``."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    stiffness: float = Field(ge=1.0, le=1e7, description="kappa [N/m], sum over all contacts of the zone")
-    reach: Vector3 = Field(description="farthest contact from the tool origin [m], tool axes")
-    friction: float = Field(default=0.0, ge=0.0, le=2.0, description="mu [1]")
 
 
 class ControllerParameters(Parameters):
@@ -61,7 +49,12 @@ class ControllerParameters(Parameters):
     contact_friction: float = parameter(
         0.0, unit="1", minimum=0.0, maximum=2.0, doc="mu of contacts that slip"
     )
-    zones: tuple[Zone, ...] = Field(default=(), description="further contact zones, their stiffness adds up")
+    zones: tuple[ContactZone, ...] = parameter(
+        (),
+        unit="",
+        doc="further contact zones {stiffness [N/m], reach [m], friction}, each within the ranges of contact_*; "
+        "their stiffnesses add up",
+    )
     reserve: float = parameter(
         0.1,
         unit="1",
@@ -120,16 +113,17 @@ class ControllerParameters(Parameters):
     )
 
     def check(self) -> None:
-        """Refuse zones that are no boxes; single numbers are checked by their ranges."""
+        """Refuse zones beyond the ranges of the first one, which is given by ``contact_*``."""
         for index, zone in enumerate(self.zones):
-            if not all(1e-3 <= length <= 5.0 for length in zone.reach):
-                raise Refused(f"zones[{index}].reach is {list(zone.reach)}, allowed is 0.001 to 5 m per axis")
+            for name in ("stiffness", "reach", "friction"):
+                declared = type(self).model_fields[f"contact_{name}"]
+                check_range(f"zones[{index}].{name}", getattr(zone, name), declared)
 
     @property
     def contact_zones(self) -> tuple[ContactZone, ...]:
         """All zones: the one of the ``contact_*`` parameters first."""
         first = ContactZone(self.contact_stiffness, self.contact_reach, self.contact_friction)
-        return (first, *(ContactZone(zone.stiffness, zone.reach, zone.friction) for zone in self.zones))
+        return (first, *self.zones)
 
     @property
     def horizon(self) -> float:

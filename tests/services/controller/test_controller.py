@@ -203,12 +203,13 @@ def test_parameters_out_of_range_change_nothing() -> None:
 
 
 def test_parameters_by_the_names_of_the_contract() -> None:
-    names = (
-        "law lyapunov_rate relaxation_weight barrier_rate contact_stiffness contact_reach contact_friction reserve "
-        "yield_start period delay lag payload_mass spring_stiffness max_linear max_angular max_acceleration"
-    ).split()
+    names = {
+        "law", "lyapunov_rate", "relaxation_weight", "barrier_rate", "contact_stiffness", "contact_reach",
+        "contact_friction", "zones", "reserve", "yield_start", "period", "delay", "lag", "payload_mass",
+        "spring_stiffness", "max_linear", "max_angular", "max_acceleration",
+    }  # fmt: skip
     table = Rig().ask()["parameters"]
-    assert sorted(table) == sorted(names)
+    assert set(table) == names
     assert all({"value", "unit", "min", "max", "doc"} <= set(row) for row in table.values())
 
 
