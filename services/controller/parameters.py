@@ -89,7 +89,9 @@ class ControllerParameters(Parameters):
         unit="kg",
         minimum=0.0,
         maximum=20.0,
-        doc="mass beyond the sensor; times max_acceleration it is no contact",
+        doc="mass beyond the sensor; times max_acceleration it counts as force that no contact exerts. Not counted is "
+        "its torque, mass x acceleration x distance of the centre of mass from the tool origin: keep that below the "
+        "torque's error_bound, by a centre of mass close to the tool or a lower max_acceleration",
     )
     spring_stiffness: Vector6 = parameter(
         (40.0, 40.0, 40.0, 10.0, 10.0, 10.0),
