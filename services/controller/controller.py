@@ -129,9 +129,10 @@ class Controller:
         """Take in a new target or stop."""
         stop = inputs.get(STOP)
         if stop is not None and stop.new:
-            engaged = stop.message.engaged
-            self._stopped = (stop.message.reason or "no reason given") if engaged else None
-            if not engaged:
+            if stop.message.engaged:
+                self._stopped = stop.message.reason or "no reason given"
+            elif stop.header.valid:  # whoever does not trust himself may stop, but not release
+                self._stopped = None
                 self._latch.release()
         self._latch.healthy()
         self._refused = inputs.refusals(CONTROL_TARGET)

@@ -186,6 +186,27 @@ def test_stop_brakes_at_the_next_wrench_until_released() -> None:
     assert rig.twist[0] > 0
 
 
+def test_an_invalid_stop_stops_but_an_invalid_release_releases_nothing() -> None:
+    rig = Rig().started(offset=(0.3, 0, 0))
+    rig.publish(STOP, Stop(True, "red button"), valid=False)
+    rig.run(0.02)
+    assert not rig.twist.any() and "red button" in rig.status.reason
+    rig.publish(STOP, Stop(False), valid=False)
+    rig.run(0.5)
+    assert resting(rig) and "red button" in rig.status.reason
+    rig.publish(STOP, Stop(False))
+    rig.run(0.1)
+    assert rig.twist[0] > 0
+    fail_sensor(rig, "stuck", 0.5)
+    mend_sensor(rig)
+    rig.publish(STOP, Stop(False), valid=False)
+    rig.run(0.5)
+    assert resting(rig) and "tandem resume" in rig.status.reason
+    rig.publish(STOP, Stop(False))
+    rig.run(0.1)
+    assert rig.twist[0] > 0
+
+
 def test_parameters_out_of_range_change_nothing() -> None:
     rig = Rig().started()
     for name, value, allowed in (
