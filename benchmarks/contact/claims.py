@@ -136,7 +136,7 @@ def _approach(law: str, name: str, period: float, axis: int) -> float:
     """
     case = scripted.approach(name, period, axis)
     paths, times = [], []
-    for duration in (1.0, 1.5) if axis < 3 else (0.04, 0.1):
+    for duration in (1.0, 1.5) if axis < 3 else (0.015, 0.035 + period):
         result = simulate(replace(case, duration=duration, quiet=0.0), make_law(law, case), keep_trace=True)
         assert result.trace is not None
         paths.append(result.travelled if axis < 3 else result.turned)

@@ -27,7 +27,7 @@ def timing(period: float, delay: float = 0.0, lag: float = 0.0) -> Timing:
 
 def declared(stiffness: float, reach: tuple[float, float, float], weight: float = 5.0) -> Declared:
     """Declared contacts without friction, and a robot that is limited by nothing but its speed."""
-    return Declared(stiffness, reach, 0.0, weight, 0.25, 1.0, (40.0, 40.0, 40.0, 80.0, 80.0, 80.0))
+    return Declared(stiffness, reach, 0.0, weight, 0.25, 1.0, (1e3,) * 6)
 
 
 def still(
