@@ -67,7 +67,7 @@ def _against(title: str, name: str, share: float, chain: Segment, relay: Segment
 
 def _ratio(claim: str, mine: float, other: float, limit: float, note: str) -> Row:
     if math.inf in (mine, other):
-        measured = "more samples lost than the quantile admits: the machine is too busy to measure on"
+        measured = "none: more samples went unanswered than the quantile leaves out"
         return Row(claim, measured, f"≤ {limit:g} times", False, COMMAND)
     return at_most(claim, mine / other, limit, "", COMMAND, note)
 
