@@ -16,6 +16,7 @@ from services.cli.refusal import refuse
 from shared import topics
 from shared.bus import Bus
 from shared.client import Client
+from shared.constants import GRAVITY
 from shared.fields import InvalidField
 from shared.inlet import Inlet
 from shared.messages import ControlTarget, RobotStatus, Stop
@@ -23,7 +24,6 @@ from shared.spatial import quaternion_from_rpy
 
 CONFIRM_WITHIN = 3.0  # [s]
 REPEAT = 0.1  # [s]
-GRAVITY = 9.81  # [m/s2]
 
 
 def stop(

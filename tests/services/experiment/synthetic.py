@@ -9,6 +9,7 @@ import numpy as np
 from services.experiment import protocol
 from services.experiment.protocol import Run
 from services.experiment.recording import Event, Recording
+from shared.constants import GRAVITY
 
 STEP = 0.01  # [s]
 ERROR_BOUND = 0.4  # [N]
@@ -109,7 +110,7 @@ def _assemble(
         },
         "sim/world": {
             "time": time,
-            "bag.mass": np.where(hanging, weights / protocol.GRAVITY, np.nan),
+            "bag.mass": np.where(hanging, weights / GRAVITY, np.nan),
             "bag.height": np.where(hanging, bag, np.nan),
         },
         "state/robot": {"time": time[::20], "max_linear": np.full(len(time[::20]), MAX_LINEAR)},
