@@ -103,6 +103,11 @@ class Rig:
         return np.array([np.concatenate((r.message.linear, r.message.angular)) for r in self.commands])
 
     @property
+    def resting(self) -> bool:
+        """Whether nothing but zero was commanded since the last call of ``run``."""
+        return not self.twists.any()
+
+    @property
     def command_age(self) -> float:
         """Age [s] of the newest command."""
         return (self.stack.scheduler.clock.now_ns() - self.commands[-1].arrival_ns) * 1e-9

@@ -1,18 +1,13 @@
-"""The service in simulated time: states, start-up, faults, latch, stop, targets and parameters."""
+"""The service in simulated time: states, start-up, targets and parameters."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from shared.messages import Stop
 from shared.parameters import Refused
-from shared.topics import CONTROL_TARGET, STOP
+from shared.topics import CONTROL_TARGET
 from tests.services.controller.rig import ERROR, PERIOD, Rig
-
-
-def resting(rig: Rig) -> bool:
-    return not rig.twists.any()
 
 
 def test_one_command_and_one_status_per_wrench_the_command_first() -> None:
@@ -30,7 +25,7 @@ def test_no_motion_before_half_a_second_of_health() -> None:
     rig = Rig()
     rig.target(offset=(0.2, 0, 0))
     rig.run(0.45)
-    assert resting(rig) and all(r.message.state == "waiting" for r in rig.statuses)
+    assert rig.resting and all(r.message.state == "waiting" for r in rig.statuses)
     assert not any(r.header.valid for r in rig.commands)
     rig.run(0.3)
     assert rig.twist[0] > 0 and rig.status.state == "tracking"
@@ -42,10 +37,10 @@ def test_waits_for_each_required_input_in_any_order(missing: str) -> None:
     setattr(rig, missing, False)
     rig.target(offset=(0.2, 0, 0))
     rig.run(2.0)
-    assert resting(rig) and rig.status.state == "waiting" and "never received" in rig.status.reason
+    assert rig.resting and rig.status.state == "waiting" and "never received" in rig.status.reason
     setattr(rig, missing, True)
     rig.run(0.45)
-    assert resting(rig)
+    assert rig.resting
     rig.run(0.3)
     assert rig.twist[0] > 0
 
@@ -53,7 +48,7 @@ def test_waits_for_each_required_input_in_any_order(missing: str) -> None:
 def test_without_a_target_it_waits_and_says_so() -> None:
     rig = Rig()
     rig.run(1.5)
-    assert resting(rig) and rig.status.state == "waiting" and "control/target" in rig.status.reason
+    assert rig.resting and rig.status.state == "waiting" and "control/target" in rig.status.reason
     rig.target(offset=(0.0, 0.1, 0.0))
     rig.run(0.1)
     assert rig.status.state == "tracking" and rig.twist[1] > 0
@@ -103,108 +98,8 @@ def test_overload_yields_and_says_on_which_side() -> None:
 
 def test_limits_too_close_to_the_error_brake_with_the_remedy() -> None:
     rig = Rig().started(offset=(0.2, 0, 0), torque=0.05)
-    assert resting(rig) and rig.status.state == "braking"
+    assert rig.resting and rig.status.state == "braking"
     assert "0.05 Nm about x" in rig.status.reason and "tare" in rig.status.reason
-
-
-@pytest.mark.parametrize("law", ["certified", "paper", "stiffness"])
-def test_silent_wrench_brakes_within_three_periods_and_recovers_when_only_the_transport_failed(
-    law: str,
-) -> None:
-    rig = Rig(law=law).started(offset=(0.3, 0, 0))
-    assert rig.twist[0] > 0
-    rig.wrench_on = False
-    rig.run(0.035)
-    assert not rig.twist.any() and rig.status.state == "braking" and "wrench/external" in rig.status.reason
-    rig.run(2.0)
-    assert resting(rig) and len(rig.commands) == pytest.approx(40, abs=2)
-    rig.wrench_on = True
-    rig.run(0.45)
-    assert resting(rig)
-    rig.run(0.3)
-    assert rig.twist[0] > 0
-
-
-def test_state_silence_brakes_and_recovers() -> None:
-    rig = Rig().started(offset=(0.3, 0, 0))
-    rig.ee_on = False
-    rig.run(0.2)
-    assert not rig.twist.any() and "state/ee" in rig.status.reason
-    rig.ee_on = True
-    rig.run(0.8)
-    assert rig.twist[0] > 0
-
-
-def fail_sensor(rig: Rig, word: str, duration: float) -> None:
-    rig.wrench_valid, rig.wrench_fault, rig.wrench_period = False, word, 0.05
-    rig.run(duration)
-
-
-def mend_sensor(rig: Rig, duration: float = 1.0) -> None:
-    rig.wrench_valid, rig.wrench_fault, rig.wrench_period = True, "", PERIOD
-    rig.run(duration)
-
-
-@pytest.mark.parametrize("word", ["silent", "stuck", "saturated"])
-def test_sensor_failure_over_100_ms_is_latched_until_released(word: str) -> None:
-    rig = Rig().started(offset=(0.3, 0, 0))
-    fail_sensor(rig, word, 0.5)
-    assert not rig.twist.any() and rig.status.state == "braking"
-    mend_sensor(rig, 2.0)
-    assert resting(rig) and word in rig.status.reason and "tandem resume" in rig.status.reason
-    rig.publish(STOP, Stop(False, "checked"))
-    rig.run(0.5)
-    assert rig.twist[0] > 0 and rig.status.state == "tracking"
-
-
-def test_a_short_sensor_failure_is_not_latched() -> None:
-    rig = Rig().started(offset=(0.3, 0, 0))
-    fail_sensor(rig, "silent", 0.08)
-    assert not rig.twist.any()
-    mend_sensor(rig)
-    assert rig.twist[0] > 0
-
-
-def test_a_robot_that_is_gone_altogether_latches_nothing() -> None:
-    rig = Rig().started(offset=(0.3, 0, 0))
-    rig.ee_on = False
-    fail_sensor(rig, "silent", 2.0)
-    rig.ee_on = True
-    mend_sensor(rig)
-    assert rig.twist[0] > 0
-
-
-def test_stop_brakes_at_the_next_wrench_until_released() -> None:
-    rig = Rig().started(offset=(0.3, 0, 0))
-    rig.publish(STOP, Stop(True, "red button"))
-    rig.run(0.02)
-    assert not rig.twist.any() and rig.status.state == "braking" and "red button" in rig.status.reason
-    rig.run(3.0)
-    assert resting(rig)
-    rig.publish(STOP, Stop(False))
-    rig.run(0.1)
-    assert rig.twist[0] > 0
-
-
-def test_an_invalid_stop_stops_but_an_invalid_release_releases_nothing() -> None:
-    rig = Rig().started(offset=(0.3, 0, 0))
-    rig.publish(STOP, Stop(True, "red button"), valid=False)
-    rig.run(0.02)
-    assert not rig.twist.any() and "red button" in rig.status.reason
-    rig.publish(STOP, Stop(False), valid=False)
-    rig.run(0.5)
-    assert resting(rig) and "red button" in rig.status.reason
-    rig.publish(STOP, Stop(False))
-    rig.run(0.1)
-    assert rig.twist[0] > 0
-    fail_sensor(rig, "stuck", 0.5)
-    mend_sensor(rig)
-    rig.publish(STOP, Stop(False), valid=False)
-    rig.run(0.5)
-    assert resting(rig) and "tandem resume" in rig.status.reason
-    rig.publish(STOP, Stop(False))
-    rig.run(0.1)
-    assert rig.twist[0] > 0
 
 
 def test_parameters_out_of_range_change_nothing() -> None:
@@ -293,7 +188,7 @@ def test_a_failed_quadratic_program_shows_in_status_and_health() -> None:
     qp = rig.controller.law.qp
     qp._minimise = lambda: (None, qp.cost)
     rig.run(0.1)
-    assert resting(rig) and rig.status.state == "braking" and "quadratic program" in rig.status.reason
+    assert rig.resting and rig.status.state == "braking" and "quadratic program" in rig.status.reason
     assert "rows" in rig.controller.notes()
     del qp._minimise
     rig.run(0.2)
