@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from services.sim.ik import DifferentialIK
 from services.sim.kinematics import CHAIN, Kinematics
 from services.sim.physics import Physics
-
-Array = NDArray[np.float64]
+from shared.spatial import Array
 
 TORSO_WEIGHT = 10.0
 """Cost of the torso's speed [m/s] relative to that of an arm joint [rad/s]."""

@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-GRAVITY = 9.81
+from shared.constants import GRAVITY
+
 ROPE_LENGTH = 0.35
 """Length [m] of the slack rope from the tool to the top of the bag."""
 BAG_LENGTH = 0.25

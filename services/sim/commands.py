@@ -7,14 +7,12 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from services.sim import bag
 from services.sim.sensor_faults import KINDS, SensorLine
 from services.sim.world import World
 from shared.parameters import Refused
-
-Array = NDArray[np.float64]
+from shared.spatial import Array
 
 LARGEST_FORCE, LARGEST_TORQUE = 300.0, 50.0
 """Of a push [N, Nm]."""

@@ -20,8 +20,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from services.sim.scene import Scene
 from shared.config import Misconfigured, OneLineParser, complain
+from shared.spatial import Array
 
-Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
 WIDTH, HEIGHT = 640, 480

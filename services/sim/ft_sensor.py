@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from shared.spatial import Array
 
 RANGE: Array = np.array((290.0, 290.0, 580.0, 10.0, 10.0, 10.0))
 """Largest reading [N, Nm] per axis: Schunk FTN-Mini-45, calibration SI-290-10, the sensor of the TIAGo's wrist."""

@@ -19,9 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import piqp
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from shared.spatial import Array
 
 APPROACH_RATE = 10.0
 """Speed [1/s] allowed per distance left to the limit."""

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from shared.spatial import Array
 
 URDF = Path(__file__).with_name("tiago.urdf")
 

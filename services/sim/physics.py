@@ -7,15 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pybullet
-from numpy.typing import NDArray
 
 from services.sim.kinematics import CHAIN, SENSOR_JOINT
 from services.sim.physics_model import physics_urdf
+from shared.constants import GRAVITY
+from shared.spatial import Array
 
-Array = NDArray[np.float64]
-
-GRAVITY = 9.81
-"""[m/s2]"""
 SOLVER_ITERATIONS = 15
 """With as many the motors give way by 3e-5 m at the tool under 28 N."""
 FRICTION = np.array([0.0] + [1.0] * (len(CHAIN) - 1))

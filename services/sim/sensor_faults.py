@@ -8,12 +8,11 @@ from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shared.service import Output
+from shared.spatial import Array
 
 T = TypeVar("T")
-Array = NDArray[np.float64]
 
 KINDS = ("off", "stuck", "garbage", "bias", "delay", "ok")
 GARBAGE = bytes(range(256))

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from services.sim.arm import Arm
 from services.sim.kinematics import CHAIN, Kinematics, full_model, home, joint_names
 from services.sim.sensor_faults import SensorLine
 from shared.messages import EndEffector, JointState
 from shared.spatial import quaternion
-
-Array = NDArray[np.float64]
 
 
 class JointSensors:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from services.sim.arm import Arm
 from services.sim.bag import Bag
-
-Array = NDArray[np.float64]
+from shared.spatial import Array
 
 
 @dataclass

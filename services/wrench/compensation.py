@@ -15,10 +15,8 @@ from functools import cached_property
 
 import numpy as np
 
+from shared.constants import GRAVITY
 from shared.spatial import Array, cross, skew
-
-GRAVITY = 9.81
-"""Standard gravity as the contract rounds it [m/s^2]."""
 
 
 def _zeros(size: int) -> Array:

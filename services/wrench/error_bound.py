@@ -23,7 +23,8 @@ import math
 
 import numpy as np
 
-from services.wrench.compensation import GRAVITY, Compensation
+from services.wrench.compensation import Compensation
+from shared.constants import GRAVITY
 from shared.spatial import Array
 
 

@@ -20,7 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from services.wrench.averaging import SIGMAS, Average
-from services.wrench.compensation import GRAVITY, Compensation, gravity_in_sensor
+from services.wrench.compensation import Compensation, gravity_in_sensor
+from shared.constants import GRAVITY
 from shared.spatial import Array, skew
 
 LARGEST_CONDITION = 30.0

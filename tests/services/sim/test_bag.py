@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from services.sim.bag import BAG_LENGTH, GRAVITY, HANDOVER, ROPE_LENGTH, Bag
+from services.sim.bag import BAG_LENGTH, HANDOVER, ROPE_LENGTH, Bag
+from shared.constants import GRAVITY
 
 STEP = 0.002
 TOOL = (0.5, -0.3, 1.0)

@@ -9,7 +9,8 @@ import pinocchio as pin
 import pytest
 
 from services.sim.kinematics import CHAIN, SENSOR_FRAME, TOOL_FRAME, Kinematics, full_model, home, joint_names
-from services.sim.physics import GRAVITY, Physics
+from services.sim.physics import Physics
+from shared.constants import GRAVITY
 
 STEP = 0.002
 POSES = {
