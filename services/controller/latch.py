@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from shared.faults import Fault, FaultKind
-from shared.topics import WRENCH_EXTERNAL
+from shared.topics import STATE_EE, WRENCH_EXTERNAL
 
 SENSOR_WORDS = ("silent", "stuck", "saturated")
 """Faults of the sensor itself, as the wrench service names them; "invalid" is the transport's."""
 LATCH_AFTER = 0.1
-"""Duration [s] of a sensor's fault, from the last healthy wrench, from which on braking is latched."""
+"""Duration [s] of a sensor's fault after which braking is latched."""
+_ROBOT_SILENT_BY = STATE_EE.max_age + 0.025
+"""Time [s] since the last healthy wrench by which a robot that is gone shows as silence of ``state/ee``, whose last
+message may be a period younger."""
 _CONFIRMED_BY = 2
 """So many times the sensor has to be blamed: a process that wakes up from a pause blames it once, for its own sleep."""
 
@@ -41,7 +44,7 @@ class SensorLatch:
         if fault.kind is FaultKind.INVALID and fault.word in SENSOR_WORDS:
             self._blamed += 1
             self._word = fault.word
-        if self._lasting >= LATCH_AFTER and self._blamed >= _CONFIRMED_BY and not self.reason:
+        if self._lasting >= max(LATCH_AFTER, _ROBOT_SILENT_BY) and self._blamed >= _CONFIRMED_BY and not self.reason:
             self.reason = (
                 f"the force sensor was {self._word} for more than {LATCH_AFTER * 1e3:.0f} ms: "
                 "latched, release with `tandem resume`"

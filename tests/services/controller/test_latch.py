@@ -1,4 +1,4 @@
-"""When a failure of the sensor is latched: 100 ms after its last healthy wrench, whatever is reported in between."""
+"""A failure of the sensor is latched about 100 ms after its last healthy wrench, whatever is reported in between."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ def latched_after(*calls: tuple[float, Fault | None]) -> float | None:
         ([(0.03, BLAMED), (0.05, BLAMED), (0.05, BLAMED)], 0.13),
         # In between its own message counts as silent, before or after the other.
         ([(0.03, SILENT), (0.001, BLAMED), (0.049, SILENT), (0.001, BLAMED), (0.049, SILENT)], 0.13),
-        ([(0.03, BLAMED), (0.03, SILENT), (0.02, BLAMED), (0.03, SILENT)], 0.11),
-        ([(0.03, BLAMED), (0.03, DELAYED), (0.02, BLAMED), (0.03, LOSSY)], 0.11),
+        ([(0.03, BLAMED), (0.03, SILENT), (0.02, BLAMED), (0.05, SILENT)], 0.13),
+        ([(0.03, BLAMED), (0.03, DELAYED), (0.02, BLAMED), (0.05, LOSSY)], 0.13),
         # 30 Hz: silence is declared after three periods.
         ([(0.1, SILENT), (0.001, BLAMED), (0.05, BLAMED)], 0.151),
         # A stuck axis is reported with every sample.
-        ([(0.011, faults.invalid(WRENCH, "stuck"))] * 15, 0.11),
+        ([(0.01, faults.invalid(WRENCH, "stuck"))] * 15, 0.13),
     ],
 )
 def test_counts_from_the_last_healthy_wrench_through_every_fault_of_it(
@@ -59,6 +59,8 @@ def test_counts_from_the_last_healthy_wrench_through_every_fault_of_it(
         [(0.03, BLAMED), (0.05, BLAMED), (0.01, None), (0.03, BLAMED), (0.05, BLAMED)],
         [(0.03, BLAMED), (0.05, BLAMED), (0.05, NO_ROBOT), (0.03, BLAMED), (0.05, BLAMED)],
         [(0.03, BLAMED), (0.05, BLAMED), (0.05, faults.arming(0.5)), (0.03, BLAMED), (0.05, BLAMED)],
+        # A robot that is gone altogether: its pose is allowed to be older than its force.
+        [(0.03, BLAMED), (0.05, BLAMED), (0.03, BLAMED), (0.001, NO_ROBOT), (0.05, NO_ROBOT)],
         # Nobody blames the sensor, or only a process that was asleep itself.
         [(0.05, SILENT)] * 100,
         [(0.05, faults.invalid(WRENCH, "invalid"))] * 100,
