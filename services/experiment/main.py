@@ -30,7 +30,6 @@ from shared.process import StopRequest
 from shared.runner import Runner
 
 NAME = "experiment"
-INTERRUPTED = 130
 INCOMPLETE = (
     "incomplete.npz"  # what was recorded of a run that was not played to the end: nothing is judged by it
 )
@@ -40,8 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command.
 
     Returns:
-        0 when done and every claim holds, 1 when the experiment could not be completed or a claim fails, 2 with one
-        line on a bad option, 130 after a signal.
+        0 when done and every claim holds, and after a signal; 1 when the experiment could not be completed or a claim
+        fails, 2 with one line on a bad option.
     """
     try:
         options = _parser().parse_args(arguments)
@@ -105,23 +104,29 @@ def _load(options: argparse.Namespace) -> int:
     stop = StopRequest()
     run = run_named(options.run)
     options.out.mkdir(parents=True, exist_ok=True)
-    bus = ZenohBus(robot_name(options.robot), options.connect, give_up=lambda: stop.requested)
+    try:
+        bus = ZenohBus(robot_name(options.robot), options.connect, give_up=lambda: stop.requested)
+    except BusError:
+        if stop.requested:
+            return 0
+        raise
     try:
         client = Client(bus)
         experiment = LoadExperiment(
             run, bus, client.clock, lambda ask, answered: _ask_aside(client, ask, answered)
         )
         reason = _play(experiment, bus, stop, _Progress(options.json))
+        if stop.requested:
+            # A broken-off run proves nothing, and writing a long recording takes longer than a signal allows.
+            return 0
         recording = experiment.recording(
             date=time.strftime("%Y-%m-%d %H:%M"),
             bus=f"Zenoh, router at {options.connect}",
             cores=os.cpu_count(),
         )
-        recording.save(options.out / (INCOMPLETE if reason or stop.requested else RECORDING))
+        recording.save(options.out / (INCOMPLETE if reason else RECORDING))
     finally:
         bus.close()
-    if stop.requested:
-        return INTERRUPTED
     if reason:
         print(f"{NAME}: {run.name}: {reason}", file=sys.stderr, flush=True)
     return 1 if reason else 0
