@@ -19,7 +19,7 @@ from shared.client import Client
 from shared.constants import GRAVITY
 from shared.fields import InvalidField
 from shared.inlet import Inlet
-from shared.messages import ControlTarget, RobotStatus, Stop
+from shared.messages import ControlStatus, ControlTarget, RobotStatus, Stop
 from shared.spatial import quaternion_from_rpy
 
 CONFIRM_WITHIN = 3.0  # [s]
@@ -48,12 +48,14 @@ def _latch(bus: Bus, message: Stop) -> None:
     """Says it until the robot's gate shows it: one message alone could be lost, and a stop must not be."""
     client = Client(bus)
     inlet: Inlet[RobotStatus] = client.watch(topics.STATE_ROBOT)
+    controller: Inlet[ControlStatus] = client.watch(topics.CONTROL_STATUS)
     deadline = time.monotonic() + CONFIRM_WITHIN
     while time.monotonic() < deadline:
         client.publish(topics.STOP, message)
         time.sleep(REPEAT)
         shown = inlet.latest
-        if shown is not None and (shown.message.mode == "stopped") == message.engaged:
+        latched = not message.engaged and controller.latest and "latched" in controller.latest.message.reason
+        if shown is not None and (shown.message.mode == "stopped") == message.engaged and not latched:
             return
     if inlet.latest is None:
         refuse(
