@@ -6,7 +6,6 @@ import os
 import re
 import signal
 import subprocess
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -92,16 +91,14 @@ def test_stop_is_latched_until_resume(stack: Process, endpoint: str) -> None:
     assert "stopped" not in tandem("status", "--connect", endpoint).stdout
 
 
-def test_a_killed_controller_is_named_within_a_second_and_can_be_started_again(
+def test_a_killed_controller_is_named_and_can_be_started_again(
     stack: Process, endpoint: str, tmp_path: Path
 ) -> None:
     os.kill(pids(endpoint)["controller"], signal.SIGKILL)
-    killed = time.monotonic()
     done = tandem("status", "--connect", endpoint)
     assert done.returncode == 1
     assert re.search(r"wrong: controller is lost: .*tandem start controller", done.stdout), done.stdout
     eventually(lambda: "controller: lost: ended with signal SIGKILL" in stack.output, PATIENCE, "up shows it")
-    assert time.monotonic() > killed
     with Process("services.cli", ["start", "controller", "--connect", endpoint], tmp_path / "again"):
         eventually(lambda: "controller" in pids(endpoint), PATIENCE, "the controller runs again")
         eventually(
