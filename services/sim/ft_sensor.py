@@ -10,19 +10,22 @@ from shared.spatial import Array
 
 RANGE: Array = np.array((290.0, 290.0, 580.0, 10.0, 10.0, 10.0))
 """Largest reading [N, Nm] per axis: Schunk FTN-Mini-45, calibration SI-290-10, the sensor of the TIAGo's wrist."""
+DITHER = 1e-6
+"""Least standard deviation [N, Nm] of the noise: no real sensor repeats a value to the last bit, and who watches one
+takes an axis that does for stuck."""
 
 
 class ForceTorqueSensor:
     """Adds bias and white noise, and saturates.
 
     Args:
-        noise: standard deviation per axis (6,) [N, Nm].
+        noise: standard deviation per axis (6,) [N, Nm]; below ``DITHER`` it is that.
         bias: constant error per axis (6,) [N, Nm].
         seed: of the noise; the same seed gives the same readings.
     """
 
     def __init__(self, noise: Sequence[float], bias: Sequence[float], seed: int) -> None:
-        self._noise = np.array(noise)
+        self._noise = np.maximum(noise, DITHER)
         self._bias = np.array(bias)
         self._random = np.random.default_rng(seed)
 
