@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from shared.parameters import Parameters, Vector6, parameter
+from shared.parameters import Parameters, Refused, Vector6, parameter
+
+SLOWEST_RATE = 30.0
+"""Rate [Hz] in real time below which the contract's readers take a sensor for silent in between."""
 
 BaseType = Literal["differential", "omni"]
 
@@ -20,7 +23,7 @@ class SimParameters(Parameters):
         unit="N, Nm",
         minimum=0.0,
         maximum=50.0,
-        doc="standard deviation of its noise, per axis",
+        doc="standard deviation of its noise, per axis; never below 1e-6, so that no axis looks stuck",
     )
     ft_bias: Vector6 = parameter(
         (0.0,) * 6, unit="N, Nm", minimum=-100.0, maximum=100.0, doc="its constant error, per axis"
@@ -36,9 +39,10 @@ class SimParameters(Parameters):
     real_time_factor: float = parameter(
         1.0,
         unit="1",
-        minimum=0.01,
+        minimum=0.03,
         maximum=10.0,
-        doc="simulated seconds per second; commands' ttl stays in real time",
+        doc="simulated seconds per second; rates are simulated, so ft_rate and joint_rate times this have to be 30 Hz "
+        "or more; commands' ttl stays in real time",
     )
     max_linear: float = parameter(
         0.3, unit="m/s", minimum=0.01, maximum=1.0, doc="largest speed of the tool's origin"
@@ -53,3 +57,18 @@ class SimParameters(Parameters):
         10.0, unit="rad/s2", minimum=0.1, maximum=100.0, doc="of speeding up; slowing down is not limited"
     )
     seed: int = parameter(0, unit="", minimum=0, maximum=2**63 - 1, doc="of the sensor noise")
+
+    def check(self) -> None:
+        """Whether what depends on the sensors hears from them often enough.
+
+        Raises:
+            Refused: if one of the rates is too slow in real time.
+        """
+        for name in ("ft_rate", "joint_rate"):
+            rate = getattr(self, name)
+            if rate * self.real_time_factor < SLOWEST_RATE - 1e-9:
+                raise Refused(
+                    f"{name} is {rate:g} Hz at a real_time_factor of {self.real_time_factor:g}: "
+                    f"{rate * self.real_time_factor:g} Hz of real time, allowed are {SLOWEST_RATE:g} Hz or more; "
+                    f"raise {name} to {SLOWEST_RATE / self.real_time_factor:.4g} Hz"
+                )

@@ -103,11 +103,12 @@ class Simulator:
             joint_state, tool = self._joints.measure()
             joints = [Output(topics.STATE_EE, tool), Output(topics.STATE_JOINTS, joint_state)]
         outputs += self._lines["joints"].send(joints, tick)
-        if due(topics.STATE_BASE.rate):
+        # Sensors keep their rates in simulated time, what is told of the rest its rate in real time.
+        if due(topics.STATE_BASE.rate * self._stretch):
             outputs.append(Output(topics.STATE_BASE, BaseState(np.zeros(2), 0.0, np.zeros(3))))
-        if due(topics.STATE_GRIPPER.rate):
+        if due(topics.STATE_GRIPPER.rate * self._stretch):
             outputs.append(Output(topics.STATE_GRIPPER, GripperState(0.0, 0.0, False)))
-        if due(topics.SIM_WORLD.rate):
+        if due(topics.SIM_WORLD.rate * self._stretch):
             outputs.append(Output(topics.SIM_WORLD, self._world_state()))
         return outputs
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.sim.ft_sensor import RANGE, ForceTorqueSensor
+from services.sim.ft_sensor import DITHER, RANGE, ForceTorqueSensor
+from services.sim.parameters import SimParameters
 from shared import topics
+from shared.parameters import Refused
 from tests.services.sim.rig import Rig
 
 QUIET = {"ft_noise": [0.0] * 6}
@@ -19,6 +21,13 @@ def test_noise_has_the_stated_deviation_and_bias() -> None:
     readings = np.array([sensor.read(np.zeros(6))[0] for _ in range(20_000)])
     assert readings.std(axis=0) == pytest.approx(noise, rel=0.03)
     assert readings.mean(axis=0) == pytest.approx(bias, abs=0.01)
+
+
+def test_without_noise_it_repeats_no_value_all_the_same() -> None:
+    sensor = ForceTorqueSensor(np.zeros(6), np.zeros(6), seed=0)
+    readings = np.array([sensor.read(np.ones(6))[0] for _ in range(1000)])
+    assert (np.abs(np.diff(readings, axis=0)) > 0.0).all()
+    assert readings.std(axis=0) == pytest.approx(DITHER, rel=0.2)
 
 
 @pytest.mark.parametrize("axis", range(6))
@@ -133,6 +142,35 @@ def test_faults_show_in_the_health() -> None:
     health = rig.received["health/sim"][-1].message
     assert health.state == "degraded"
     assert "ft sensor: stuck" in health.detail
+
+
+def test_at_a_tenth_of_real_time_everything_still_comes_often_enough() -> None:
+    rig = Rig(real_time_factor=0.1, ft_rate=300.0, joint_rate=300.0)
+    before = {key: len(received) for key, received in rig.received.items()}
+    rig.run(4.0)
+    for key, rate in (
+        ("sensor/ft", 30),
+        ("state/ee", 30),
+        ("state/base", 30),
+        ("state/gripper", 20),
+        ("state/robot", 5),
+        ("sim/world", 30),
+    ):
+        assert len(rig.received[key]) - before[key] == pytest.approx(4.0 * rate, abs=3), key
+
+
+@pytest.mark.parametrize(
+    ("settings", "says"),
+    [
+        ({"real_time_factor": 0.2}, "ft_rate is 100 Hz at a real_time_factor of 0.2: 20 Hz"),
+        ({"real_time_factor": 0.1, "ft_rate": 300.0}, "joint_rate is 100 Hz"),
+        ({"real_time_factor": 0.5, "ft_rate": 30.0}, "raise ft_rate to 60 Hz"),
+    ],
+)
+def test_sensors_too_slow_in_real_time_are_refused(settings: dict[str, float], says: str) -> None:
+    with pytest.raises(Refused) as refusal:
+        SimParameters.of(settings)
+    assert says in str(refusal.value)
 
 
 @pytest.mark.parametrize(
