@@ -39,6 +39,9 @@ _ZERO = np.zeros(6)
 class Controller:
     """Keeps the wrench within the target's limits and otherwise the tool at the target's pose.
 
+    A target stays in force when it falls silent, but not beyond a restart of the robot (a new session of ``state/ee``):
+    what was received before is discarded, and the tool rests where it is until a target arrives.
+
     Args:
         parameters: checked parameters.
         timer: steady nanoseconds, for ``solve_us`` and the solver's time limit only.
@@ -62,6 +65,8 @@ class Controller:
         self._latch = SensorLatch()
         self._agreement = Agreement()
         self._target: ControlTarget | None = None
+        self._robot_session: int | None = None
+        self._restarted = False
         self._limit = self._nominal = _ZERO
         self._target_rotation = np.eye(3)
         self._refused = self._refused_before = ""
@@ -126,7 +131,7 @@ class Controller:
         return "; ".join(notes)
 
     def _listen(self, inputs: Inputs) -> None:
-        """Take in a new target or stop."""
+        """Take in a new target or stop; forget the target if the robot has restarted."""
         stop = inputs.get(STOP)
         if stop is not None and stop.new:
             if stop.message.engaged:
@@ -137,8 +142,17 @@ class Controller:
         self._latch.healthy()
         self._refused = inputs.refusals(CONTROL_TARGET)
         target = inputs.get(CONTROL_TARGET)
+        session = inputs[STATE_EE].header.session
+        restarted = self._robot_session not in (None, session)
+        self._robot_session = session
+        if restarted:
+            self._target, self._restarted, self._margin = None, True, _ZERO
         if target is None or not target.new or not target.header.valid:
             return
+        # The loop has watched the restarted robot for the whole start-up: what is older was meant for the one before.
+        if restarted and target.age > self.wiring.startup:
+            return
+        self._restarted = False
         self._refused_before = self._refused
         self._target = target.message
         self._limit = np.concatenate((self._target.force_limit, self._target.torque_limit))
@@ -153,6 +167,8 @@ class Controller:
             return "braking", f"stop is engaged: {self._stopped}"
         if self._target is None:
             refused = f": {self._refused}" if self._refused else ""
+            if self._restarted:
+                return "waiting", f"robot restarted, a new {CONTROL_TARGET.key} is needed{refused}"
             return "waiting", f"no valid {CONTROL_TARGET.key} yet{refused}"
         if self._settling > 0.0:
             return "waiting", "the timing was changed: resting until it holds for everything commanded"

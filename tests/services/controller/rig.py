@@ -8,6 +8,7 @@ import numpy as np
 
 from services.controller.controller import Controller
 from services.controller.parameters import ControllerParameters
+from shared.client import Client
 from shared.clock import nanoseconds
 from shared.inlet import Received
 from shared.messages import ControlTarget, EndEffector, ExternalWrench
@@ -33,6 +34,7 @@ class Rig:
 
     def __init__(self, **parameters: Any) -> None:
         self.stack = Stack()
+        self._robot = Client(self.stack.bus, self.stack.scheduler.clock)
         self.wrench: Array = np.zeros(6)
         self.wrench_on = self.ee_on = self.wrench_valid = True
         self.wrench_fault = ""
@@ -53,9 +55,8 @@ class Rig:
         self.position = self.position + PERIOD * twist[:3]
         self.rotation = rotation_from_vector(PERIOD * twist[3:]) @ self.rotation
         if self.ee_on:
-            self.publish(
-                STATE_EE, EndEffector(self.position, quaternion(self.rotation), twist[:3], twist[3:])
-            )
+            pose = EndEffector(self.position, quaternion(self.rotation), twist[:3], twist[3:])
+            self._robot.publish(STATE_EE, pose)
         self._again(PERIOD, self._move)
 
     def _feel(self) -> None:
@@ -84,6 +85,14 @@ class Rig:
         self.commands.clear()
         self.statuses.clear()
         self.stack.run(duration)
+
+    def restart_robot(self, silence: float, position: Any = HOME) -> None:
+        """The robot falls silent [s] and comes back elsewhere in a new session; its sensor with it."""
+        self.ee_on = self.wrench_on = False
+        self.run(silence)
+        self._robot = Client(self.stack.bus, self.stack.scheduler.clock)
+        self.position = np.array(position)
+        self.ee_on = self.wrench_on = True
 
     def started(self, **target: Any) -> Rig:
         """Healthy for long enough, with a target."""

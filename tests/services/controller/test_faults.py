@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from shared.messages import Stop
@@ -118,3 +119,36 @@ def test_an_invalid_stop_stops_but_an_invalid_release_releases_nothing() -> None
     rig.publish(STOP, Stop(False))
     rig.run(0.1)
     assert rig.twist[0] > 0
+
+
+def test_a_restarted_robot_rests_where_it_is_until_a_new_target() -> None:
+    rig = Rig().started(offset=(0.3, 0, 0))
+    assert rig.twist[0] > 0
+    rig.restart_robot(0.3, position=(0.0, 0.5, 0.7))
+    rig.target(offset=(0.2, 0, 0))  # still meant for the robot as it was
+    rig.run(2.0)
+    assert rig.resting and rig.status.state == "waiting"
+    assert rig.status.reason == "robot restarted, a new control/target is needed"
+    assert np.array_equal(rig.position, (0.0, 0.5, 0.7)) and not rig.status.margin.any()
+    rig.target(offset=(0.1, 0, 0))
+    rig.run(0.5)
+    assert rig.twist[0] > 0 and rig.status.state == "tracking"
+    assert np.diff(np.abs(rig.twists), axis=0).max() <= 2.0 * 0.0101
+
+
+def test_a_restarted_robot_goes_on_at_once_under_a_task_that_repeats_its_target() -> None:
+    rig = Rig().started(offset=(0.3, 0, 0))
+    rig.restart_robot(0.3)
+    for _ in range(4):
+        rig.target(offset=(0.3, 0, 0))
+        rig.run(0.2)
+    assert rig.twist[0] > 0 and rig.status.state == "tracking"
+
+
+def test_a_robot_that_was_only_silent_keeps_its_target() -> None:
+    rig = Rig().started(offset=(0.3, 0, 0))
+    rig.ee_on = False
+    rig.run(1.0)
+    rig.ee_on = True
+    rig.run(1.0)
+    assert rig.twist[0] > 0 and rig.status.state == "tracking"
