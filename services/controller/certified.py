@@ -19,7 +19,7 @@ from services.controller.contact import StiffnessBound
 from services.controller.law import Law, LawInput, LawOutput
 from services.controller.parameters import ControllerParameters
 from services.controller.qp import CLOSED, TOLERANCE, UNBOUNDED, Qp, QpFailure, Timer, no_timer
-from services.controller.yielding import RoundedYield, StrictYield, scaled_into
+from services.controller.yielding import RoundedYield, StrictYield, Yielding, scaled_into
 from shared.spatial import Array
 
 _GAMMA = 12
@@ -42,7 +42,7 @@ class CertifiedLaw(Law):
         self.bound = StiffnessBound(parameters.contact_zones)
         self._turn_of_command = parameters.max_angular * T
         self.caps = Caps(parameters.reserve, parameters.yield_start)
-        self._yielding: RoundedYield | StrictYield = RoundedYield() if self.rounded else StrictYield()
+        self._yielding: Yielding = RoundedYield() if self.rounded else StrictYield()
         # |p|^2 + |q|^2 in place of |p - q|^2: the same minimum without p_i and q_i opposing each other.
         self.qp = Qp(np.array([1.0] * 12 + [0.0]), 13, timer, T)
         self.qp.upper[_GAMMA] = UNBOUNDED
@@ -63,6 +63,10 @@ class CertifiedLaw(Law):
     @property
     def solve_us(self) -> float:
         return self.qp.solve_us
+
+    def brake(self, dt: float) -> None:
+        super().brake(dt)
+        self._yielding.brake(self.response_time, dt)
 
     def _move(self, state: LawInput, error: Array, length: float, dt: float) -> LawOutput:
         self.caps.update(state.limit, state.error_bound + self.box.inertial_force)

@@ -8,6 +8,7 @@ passive contact (docs/guarantee.md, "Yielding"). ``StrictYield`` acts only beyon
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
 from services.controller.caps import Caps
@@ -21,6 +22,8 @@ _FORGET_TIME = 2.0
 """Time constant, in response times D, with which the integral of an axis that is not pressed decays."""
 
 Vector = Sequence[float]
+_NONE = (0.0,) * 6
+_UNLIMITED = (math.inf,) * 6
 
 
 def scaled_into(twist: list[float], speed: Vector) -> list[float]:
@@ -51,16 +54,23 @@ class _Integral:
         self.value = scaled_into(kept, speed)
         return [own + past for own, past in zip(y, self.value, strict=True)]
 
+    def decay(self, response_time: float, dt: float) -> None:
+        """Let ``dt`` [s] pass in which nothing yields."""
+        self.add(_NONE, _NONE, _UNLIMITED, response_time, dt)
+
     @property
     def at_rest(self) -> bool:
         return not any(self.value)
 
 
-class StrictYield:
-    """Retreat in proportion to the excess over the limit plus its error bound."""
+class Yielding(ABC):
+    """One form of giving way.
 
-    moved = True
-    """Whether the environment has moved: at rest the measured wrench never gets to where this form acts."""
+    Attributes:
+        moved: whether a measured wrench proves that the environment has moved, which frees y from the rows.
+    """
+
+    moved: bool
 
     def __init__(self) -> None:
         self._integral = _Integral()
@@ -70,6 +80,7 @@ class StrictYield:
         """Whether nothing is left of what yielded before."""
         return self._integral.at_rest
 
+    @abstractmethod
     def step(
         self,
         wrench: Vector,
@@ -83,19 +94,43 @@ class StrictYield:
 
         Args:
             wrench: w (6,) [N, Nm].
-            caps: yields from ``caps.wall``: a smaller measured wrench may still be within the limit.
-            bound: Kbar; its roots are the scale, which keeps N/m and Nm/rad apart.
+            caps: where this form begins, and the wall that no measured wrench passes at rest.
+            bound: Kbar.
             speed: (6,) [m/s, rad/s] that the integral saturates at.
             response_time: D [s].
             dt: [s] since the last step.
         """
+
+    def brake(self, response_time: float, dt: float) -> None:
+        """Let ``dt`` [s] pass at rest: what is left of the yielding must not move the tool after a long stop."""
+        self._integral.decay(response_time, dt)
+
+
+class StrictYield(Yielding):
+    """Retreat in proportion to the excess over the limit plus its error bound.
+
+    It begins at ``caps.wall``, since a smaller measured wrench may still be within the limit; the roots of Kbar are
+    the scale, which keeps N/m and Nm/rad apart. At rest the measured wrench never gets to where this form acts.
+    """
+
+    moved = True
+
+    def step(
+        self,
+        wrench: Vector,
+        caps: Caps,
+        bound: StiffnessBound,
+        speed: Vector,
+        response_time: float,
+        dt: float,
+    ) -> list[float] | None:
         y = down_the_gradient(wrench, caps.wall, bound.roots, bound, response_time)
         if y is None and self._integral.at_rest:
             return None
-        return self._integral.add(y or [0.0] * 6, wrench, speed, response_time, dt)
+        return self._integral.add(y or _NONE, wrench, speed, response_time, dt)
 
 
-class RoundedYield:
+class RoundedYield(Yielding):
     """Retreat from the box of ``yield_start`` limits.
 
     At rest the distance is measured in the room left above the box, which is what the rounded caps share out. Once the
@@ -104,11 +139,11 @@ class RoundedYield:
 
     Attributes:
         distance: h (6,), how far each axis is beyond its threshold, in units of the room left above it; V = |h|.
-        moved: whether a measured wrench has proven that the environment moves, and is not back in the box yet.
+        moved: so since a measured wrench was beyond the wall, until it is back in the box.
     """
 
     def __init__(self) -> None:
-        self._integral = _Integral()
+        super().__init__()
         self.distance = [0.0] * 6
         self.moved = False
 
@@ -126,16 +161,6 @@ class RoundedYield:
         response_time: float,
         dt: float,
     ) -> list[float] | None:
-        """Yielding velocity (6,) [m/s, rad/s], or None if there is none.
-
-        Args:
-            wrench: w (6,) [N, Nm].
-            caps: threshold theta, room X above it, and the wall that no measured wrench passes at rest.
-            bound: Kbar.
-            speed: (6,) [m/s, rad/s] that the integral saturates at.
-            response_time: D [s].
-            dt: [s] since the last step.
-        """
         self.distance = [max(0.0, abs(wrench[i]) - caps.start[i]) / caps.room[i] for i in range(6)]
         self.moved = self.moved or any(abs(wrench[i]) > caps.wall[i] for i in range(6))
         scale = bound.roots if self.moved else caps.room
@@ -143,7 +168,7 @@ class RoundedYield:
         if y is None and self._integral.at_rest:
             self.moved = False
             return None
-        return self._integral.add(y or [0.0] * 6, wrench, speed, response_time, dt)
+        return self._integral.add(y or _NONE, wrench, speed, response_time, dt)
 
 
 def down_the_gradient(
