@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import piqp
 import pytest
+from scipy.spatial.transform import Rotation
 
 from services.controller.certificate import certificates
-from services.controller.laws import CertifiedLaw, make_law
+from services.controller.laws import CertifiedLaw, LawInput, make_law
 from services.controller.qp import QpFailure
 from services.controller.yielding import RoundedYield
+from shared.spatial import Array
 from tests.services.controller import closed_form
 from tests.services.controller.contacts import ERROR, LIMIT, agile, state, unit
 
@@ -79,7 +82,9 @@ def test_rows_hold_for_any_input(yield_start: float) -> None:
         lambda rng, x: -x,
     ],
 )
-def test_rows_hold_whatever_the_solver_answers(lie) -> None:  # noqa: ANN001
+def test_rows_hold_whatever_the_solver_answers(
+    lie: Callable[[np.random.Generator, Array], Array],
+) -> None:
     rng = np.random.default_rng(6)
     law = make(delay=0.02)
     honest = law.qp._minimise
@@ -123,9 +128,7 @@ def test_optimum_in_a_box_of_single_axes() -> None:
     assert compared > 100
 
 
-def _rotation_error(given) -> np.ndarray:  # noqa: ANN001
-    from scipy.spatial.transform import Rotation
-
+def _rotation_error(given: LawInput) -> Array:
     return Rotation.from_matrix(given.rotation @ given.target_rotation.T).as_rotvec()
 
 

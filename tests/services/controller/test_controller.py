@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from shared.codec import decode_map, encode, encode_map
+from shared.messages import ControlTarget, Header
 from shared.parameters import Refused
 from shared.topics import CONTROL_TARGET
-from tests.services.controller.rig import ERROR, PERIOD, Rig
+from tests.services.controller.rig import ERROR, HOME, PERIOD, Rig
 
 
 def test_one_command_and_one_status_per_wrench_the_command_first() -> None:
@@ -63,16 +65,12 @@ def test_target_is_reached_and_stays_in_force_when_it_falls_silent() -> None:
 
 def test_a_bad_target_is_refused_by_name_and_the_last_one_stays() -> None:
     rig = Rig().started(offset=(0.1, 0.0, 0.0))
-    good = rig.controller._target
     rig.stack.bus.publish(CONTROL_TARGET.key, b"\x81\xa3seq\x01")
-    bad = {"force_limit": [-3.0, 10.0, 10.0]}
-    from shared.codec import decode_map, encode, encode_map
-    from shared.messages import Header
-
-    plain = decode_map(encode(good, Header(99, 1, rig.stack.scheduler.clock.now_ns(), True)))
-    rig.stack.bus.publish(CONTROL_TARGET.key, encode_map({**plain, **bad}))
+    other = ControlTarget(HOME - 0.1, (0, 0, 0, 1), (8.0,) * 3, (3.0,) * 3)
+    message = decode_map(encode(other, Header(99, 1, rig.stack.scheduler.clock.now_ns(), True)))
+    rig.stack.bus.publish(CONTROL_TARGET.key, encode_map({**message, "force_limit": [-3.0, 10.0, 10.0]}))
     rig.run(0.2)
-    assert rig.controller._target is good and rig.twist[0] > 0
+    assert rig.twist[0] > 0 and rig.status.margin[0] == pytest.approx(10.0 - ERROR[0])
     assert "force_limit" in rig.status.reason and "-3" in rig.status.reason
     assert "force_limit" in rig.controller.notes()
     rig.target(offset=(0.0, 0.0, 0.0))

@@ -7,7 +7,7 @@ import pytest
 
 from shared.messages import Stop
 from shared.topics import STOP
-from tests.services.controller.rig import HOME, PERIOD, Rig
+from tests.services.controller.rig import PERIOD, Rig
 
 
 @pytest.mark.parametrize("law", ["certified", "paper", "stiffness"])
@@ -152,18 +152,3 @@ def test_a_robot_that_was_only_silent_keeps_its_target() -> None:
     rig.ee_on = True
     rig.run(1.0)
     assert rig.twist[0] > 0 and rig.status.state == "tracking"
-
-
-@pytest.mark.parametrize("start", [1.0, 0.8])
-def test_nothing_is_left_of_a_push_after_a_stop(start: float) -> None:
-    rig = Rig(yield_start=start).started()
-    rig.wrench = np.array((14.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-    rig.run(0.5)
-    assert rig.twist[0] > 0.01
-    rig.publish(STOP, Stop(True))
-    rig.run(0.1)
-    rig.wrench, rig.position = np.zeros(6), HOME
-    rig.run(3.0)
-    rig.publish(STOP, Stop(False))
-    rig.run(0.5)
-    assert np.abs(rig.twists).max() < 1e-5

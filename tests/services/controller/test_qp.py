@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import piqp
 import pytest
 
 from services.controller.qp import Qp, QpFailure
+from shared.spatial import Array
 
 
 class LyingQp(Qp):
     """A solver whose answer is made up."""
 
     status = piqp.PIQP_SOLVED
-    lie: object = None
+    lie: Callable[[Array], Array] | None = None
 
-    def _minimise(self):  # noqa: ANN202
-        status, x = super()._minimise()
-        return (self.status, x) if self.lie is None else (self.status, np.asarray(self.lie(x)))
+    def _minimise(self) -> tuple[piqp.Status, Array]:
+        _, x = super()._minimise()
+        return self.status, x if self.lie is None else self.lie(x)
 
 
 def problem(kind: type[Qp] = Qp, **settings: object) -> Qp:

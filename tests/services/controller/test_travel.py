@@ -74,7 +74,7 @@ def test_nothing_that_is_still_to_come_is_forgotten(seed: int) -> None:
         twist = rng.normal(size=6) * (rng.random() < 0.8)
         travel.command(twist)
         sent.append((time, twist))
-        lost = 0 < count and rng.random() < 0.1
+        lost = count > 0 and rng.random() < 0.1
         arrivals.append(math.inf if lost else time + fastest + jitter * rng.random())
 
 

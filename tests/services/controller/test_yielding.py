@@ -9,7 +9,7 @@ import pytest
 
 from services.controller.caps import Caps
 from services.controller.contact import ContactZone, StiffnessBound
-from services.controller.yielding import RoundedYield, StrictYield, largest_stiffness, scaled_into
+from services.controller.yielding import RoundedYield, StrictYield, Yielding, largest_stiffness, scaled_into
 from tests.services.controller.contacts import ERROR, LIMIT, jacobian, tangent
 
 D, DT = 0.05, 0.01
@@ -67,6 +67,17 @@ def exact(r: tuple, axes: list[int], room: np.ndarray) -> float:
         J = jacobian(np.array(r) * signs)[:, axes] / room[axes]
         largest = max(largest, float(np.linalg.eigvalsh(J.T @ J)[-1]))
     return largest
+
+
+@pytest.mark.parametrize("form", [StrictYield, RoundedYield])
+def test_a_push_is_forgotten_while_the_tool_rests(form: type[Yielding], bound: StiffnessBound) -> None:
+    yielding, c = form(), caps(1.0 if form is StrictYield else 0.8)
+    for _ in range(300):
+        yielding.step([9.0 if form is RoundedYield else 11.0, *[0.0] * 5], c, bound, SPEED, D, DT)
+    assert not yielding.at_rest
+    for _ in range(40):
+        yielding.brake(D, 0.05)
+    assert yielding.at_rest and yielding.step([0.0] * 6, c, bound, SPEED, D, DT) is None
 
 
 def test_largest_stiffness_is_the_eigenvalue_at_the_corner() -> None:
