@@ -1,0 +1,50 @@
+"""What has to pass: every robot process, in whatever way it is started. A bridge is one more row of ``ROBOTS``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from tests.conftest import Router, _processes
+from tests.contract.robot import Commander, Robot, RobotProcess, launch
+
+ROBOTS = {
+    "sim": RobotProcess("services.sim"),
+    "stub": RobotProcess(
+        "tests.support.stub_robot", with_a_kilogram=("--set", "load=[0.0, 0.0, -9.81, 0.0, 0.0, 0.0]")
+    ),
+}
+
+
+@pytest.fixture(scope="module", params=ROBOTS.values(), ids=list(ROBOTS))
+def kind(request: pytest.FixtureRequest) -> RobotProcess:
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def robot(
+    kind: RobotProcess, shared_router: Router, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Robot]:
+    """One process for all tests of a file: it has to live through all of them."""
+    with _processes(tmp_path_factory.mktemp("robot")) as start_process:
+        robot = Robot(shared_router.endpoint)
+        process = launch(kind, shared_router.endpoint, start_process)
+        yield robot.started()
+        robot.close()
+        assert process.running, process.output
+        assert "Traceback" not in process.output, process.output
+
+
+@pytest.fixture
+def commander(shared_router: Router) -> Iterator[Commander]:
+    commander = Commander(shared_router.endpoint)
+    yield commander
+    commander.close()
+
+
+@pytest.fixture
+def second(shared_router: Router) -> Iterator[Commander]:
+    commander = Commander(shared_router.endpoint)
+    yield commander
+    commander.close()

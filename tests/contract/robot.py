@@ -1,0 +1,183 @@
+"""A robot process as the contract shows it: started somehow, heard and commanded through a router, nothing else."""
+
+from __future__ import annotations
+
+import json
+import secrets
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import zenoh
+
+from shared.codec import Rejected, decode, encode
+from shared.fields import Record
+from shared.messages import EndEffector, FtSample, Header, RobotStatus, Stop, TwistCommand
+from shared.spatial import Array, rotation_matrix
+from shared.topics import COMMAND_EE_TWIST, SENSOR_FT, STATE_EE, STATE_ROBOT, STOP, Topic, topic_by_key
+from tests.support.processes import Process
+from tests.support.wait import eventually
+
+NAME = "fred"
+"""First chunk of the keys: not the default one."""
+PATIENCE = 60.0
+"""Longest wait [s] for what has to happen; spent only by a test that fails."""
+ZERO = (0.0, 0.0, 0.0)
+_KEPT = 2000
+
+
+@dataclass(frozen=True)
+class RobotProcess:
+    """How a robot process is started.
+
+    Attributes:
+        module: for ``python -m``.
+        options: besides ``--robot`` and ``--connect``.
+        with_a_kilogram: options with which it starts with 1 kg hanging from its tool; None if ``sim/command`` hangs it.
+    """
+
+    module: str
+    options: tuple[str, ...] = ()
+    with_a_kilogram: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Heard:
+    """One payload with what it says."""
+
+    encoding: str
+    header: Header
+    message: Record
+
+
+class Network:
+    """A client of the router that knows nothing of the project's own bus."""
+
+    def __init__(self, endpoint: str) -> None:
+        config = zenoh.Config()
+        for key, value in (
+            ("mode", "client"),
+            ("connect/endpoints", [endpoint]),
+            ("scouting/multicast/enabled", False),
+        ):
+            config.insert_json5(key, json.dumps(value))
+        self.session = zenoh.open(config)
+
+    def put(self, key: str, payload: bytes) -> None:
+        self.session.put(f"{NAME}/{key}", payload, encoding=zenoh.Encoding("application/msgpack"))
+
+    def close(self) -> None:
+        self.session.close()
+
+
+class Commander(Network):
+    """Whoever commands: sends what ``make`` gives a hundred times a second, a command or a payload."""
+
+    def __init__(self, endpoint: str) -> None:
+        super().__init__(endpoint)
+        self.make: Callable[[], TwistCommand | bytes | None] = lambda: None
+        self.number = 0
+        self._id = secrets.randbits(62)
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self) -> None:
+        while not self._ended.wait(0.01):
+            made = self.make()
+            if made is not None:
+                self.put(COMMAND_EE_TWIST.key, made if isinstance(made, bytes) else self.payload(made))
+
+    def payload(self, message: Record, valid: bool = True, number: int | None = None) -> bytes:
+        """A message with the next sequence number, or with one of the past."""
+        if number is None:
+            self.number += 1
+        sequence = self.number if number is None else number
+        return encode(message, Header(sequence, self._id, time.monotonic_ns(), valid))
+
+    def stop(self, engaged: bool, reason: str = "", valid: bool = True) -> None:
+        self.put(STOP.key, self.payload(Stop(engaged, reason), valid))
+
+    def close(self) -> None:
+        self._ended.set()
+        self._thread.join()
+        super().close()
+
+
+class Robot(Network):
+    """Everything that is published under the robot's name."""
+
+    def __init__(self, endpoint: str, name: str = NAME) -> None:
+        super().__init__(endpoint)
+        self._name = name
+        self.heard: dict[str, deque[Heard]] = {}
+        self.rejected: list[str] = []
+        self._subscriber = self.session.declare_subscriber(f"{name}/**", self._on_sample)
+
+    def _on_sample(self, sample: zenoh.Sample) -> None:
+        key = str(sample.key_expr).removeprefix(f"{self._name}/")
+        topic = topic_by_key(key)
+        if topic in (COMMAND_EE_TWIST, STOP):
+            return
+        try:
+            assert topic is not None, "no key of the contract"
+            header, message = decode(topic.message, sample.payload.to_bytes(), topic.cap)
+        except (AssertionError, Rejected) as problem:
+            self.rejected.append(f"{key}: {problem}")
+            return
+        heard = Heard(str(sample.encoding), header, message)
+        self.heard.setdefault(key, deque(maxlen=_KEPT)).append(heard)
+
+    def started(self) -> Robot:
+        eventually(lambda: {"state/ee", "state/robot", "sensor/ft"} <= set(self.heard), PATIENCE, "it speaks")
+        return self
+
+    def all(self, topic: Topic) -> list[Heard]:
+        return list(self.heard.get(topic.key, ()))
+
+    @property
+    def tool(self) -> EndEffector:
+        return self.heard[STATE_EE.key][-1].message
+
+    @property
+    def rotation(self) -> Array:
+        return rotation_matrix(self.tool.orientation)
+
+    @property
+    def sample(self) -> FtSample:
+        return self.heard[SENSOR_FT.key][-1].message
+
+    @property
+    def status(self) -> RobotStatus:
+        return self.heard[STATE_ROBOT.key][-1].message
+
+    @property
+    def speed(self) -> float:
+        return float(np.linalg.norm(self.tool.linear))
+
+    def at_rest(self) -> bool:
+        return self.speed < 2e-3 and float(np.linalg.norm(self.tool.angular)) < 1e-2
+
+    def rests(self) -> None:
+        eventually(self.at_rest, PATIENCE, "the tool stands still")
+
+    def follow(self, commander: Commander, linear: tuple, angular: tuple, moved: Callable[[], bool]) -> None:
+        """Let the robot be commanded until it has moved so far, and come to rest."""
+        commander.make = lambda: TwistCommand(linear, angular, 0.1)
+        eventually(moved, PATIENCE, f"the tool moves by {linear} and {angular}")
+        commander.make = lambda: None
+        self.rests()
+
+
+def launch(
+    kind: RobotProcess,
+    endpoint: str,
+    start: Callable[..., Process],
+    options: tuple[str, ...] = (),
+    name: str = NAME,
+) -> Process:
+    """Start the process."""
+    return start(kind.module, "--robot", name, "--connect", endpoint, *kind.options, *options)
