@@ -47,6 +47,8 @@ class Row:
     adversary: str
     at_rest: bool
     result: Result
+    ticks: int
+    failures: tuple[str, ...]
 
     @property
     def over(self) -> bool:
@@ -73,6 +75,8 @@ class Row:
             "swing_second": result.swing[1],
             "turns": result.turns,
             "sustained": int(result.sustained),
+            "ticks": self.ticks,
+            "solver_failures": len(self.failures),
             "within_reach": int(result.within_reach),
             "within_squeeze": int(result.within_squeeze),
         }
@@ -83,8 +87,10 @@ def run_job(job: Job) -> list[Row]:
     case = job.case()
     rows = []
     for name in job.laws:
-        result = simulate(case, make_law(name, case))
-        rows.append(Row(job, name, 1.0 / case.timing.period, case.adversary, case.at_rest, result))
+        law = make_law(name, case)
+        result = simulate(case, law)
+        rate, failures = 1.0 / case.timing.period, tuple(law.failures)
+        rows.append(Row(job, name, rate, case.adversary, case.at_rest, result, law.ticks, failures))
     return rows
 
 
