@@ -37,13 +37,15 @@ class Caps:
         threshold: (6,) up to which a measured wrench makes nothing yield: theta, or the wall in the strict form.
         most: C (6,), cap that nothing may pass at rest: W, and in the rounded form up to 2 eps less.
         wall: C + 2 eps (6,): at rest no measured wrench is larger, so a larger one proves that the environment moved.
-        levels: (2, 12) caps of the twelve rows, without and with the reserve, as long as nothing yields.
+        levels: (2, 12) caps of the twelve rows, without and with the reserve, as long as nothing yields;
+            another array whenever they change.
     """
 
     def __init__(self, reserve: float, yield_start: float) -> None:
         self._reserve, self._rho = reserve, yield_start
         self._limits: list[float] = []
         self._errors = [0.0] * 6
+        self._given: list[float] = []  # the bounds as they were when ``_errors`` was chosen
         self.refusal: str | None = None
         self.force = [0.0] * 3
         self.wall = self.start = self.room = self.most = self.threshold = [0.0] * 6
@@ -57,8 +59,9 @@ class Caps:
         The margin lets the caps stay the same while the error bound varies with the attitude.
         """
         limits, errors = limit.tolist(), error_bound.tolist()
-        if limits == self._limits and all(map(_covers, self._errors, errors)):
+        if limits == self._limits and (errors == self._given or all(map(_covers, self._errors, errors))):
             return
+        self._given = errors
         self.refusal = _refusal(limits, errors)
         self._limits, self._errors = limits, [_MARGIN * error for error in errors]
         if self.refusal is not None:
@@ -76,7 +79,9 @@ class Caps:
         self.threshold = self.start if self._rho < 1.0 else self.wall
         # rho_i = max(reserve W_i, 3 eps_i): a smaller one would vanish in the measurement's error.
         self._kept = np.tile(np.maximum(self._reserve * W, 3.0 * error_bound), 2)
-        self._fill(self.levels, self.rounded([0.0] * 6) if self._rho < 1.0 else W.tolist())
+        self.levels = self._fill(
+            np.empty((2, 12)), self.rounded([0.0] * 6) if self._rho < 1.0 else W.tolist()
+        )
 
     def rounded(self, h: list[float]) -> list[float]:
         """Caps (6,) ``A_i = min(C_i, theta_i + X_i sqrt(h_i^2 + left/6))``, ``left = max(0, 1 - |h|^2)``."""

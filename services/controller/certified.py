@@ -24,6 +24,8 @@ from shared.spatial import Array
 
 _GAMMA = 12
 _LYAPUNOV = 12
+_SIDES = np.vstack((np.eye(6), -np.eye(6)))
+"""Row i is about w_i, row 6 + i about -w_i."""
 
 
 class CertifiedLaw(Law):
@@ -50,15 +52,23 @@ class CertifiedLaw(Law):
         self._version = -1
         self._M = np.zeros((12, 12))
         self._scaled = np.zeros((12, 12))
-        self._next = np.zeros((2, 12))
-        self._lasting = np.zeros((2, 12))
-        self._w = np.zeros(12)
+        # Rooms as speeds, of the next period and lasting (first axis), without and with the reserve (second): cap times
+        # per_force less room_matrix times [w; path], in one product.
+        self._per_force = np.zeros((2, 2, 12))
+        self._room_matrix = np.zeros((48, 18))
+        self._load = np.zeros(18)
+        self._offset, self._rooms = np.zeros((2, 2, 12)), np.zeros((2, 2, 12))
+        self._flat_offset, self._flat_rooms = self._offset.ravel(), self._rooms.ravel()
+        self._levels: Array | None = None  # those that the offset was made for
+        self._tightest = 0.0
         self._y = np.zeros(6)
         self._y_speeds = np.zeros(12)
         self._now = np.zeros((2, 12))
-        self._steady = np.zeros((2, 12))
-        self._slack = np.zeros(12)
         self._none = np.zeros(12)
+        # Views of arrays that are written in place.
+        self._slack, self._upper, self._right = self.qp.slack[:12], self.qp.upper[:12], self.qp.right[:12]
+        self._lyapunov_growing = self.qp.rows[_LYAPUNOV, :6]
+        self._lyapunov_falling = self.qp.rows[_LYAPUNOV, 6:12]
 
     @property
     def solve_us(self) -> float:
@@ -83,6 +93,7 @@ class CertifiedLaw(Law):
             speeds, failure = self._solve(error, length, yields), None
         except QpFailure as problem:
             speeds, failure = self._none, self._recorded(problem)  # y alone needs no solver
+            self._slack[:] = 0.0
         v = speeds[6:] - speeds[:6]
         if yields:
             v += y
@@ -110,8 +121,14 @@ class CertifiedLaw(Law):
         M[6:, :6] = M[:6, 6:]
         # Both kinds of rows as speeds: a general row divided by its largest element, a reserve row by its only one.
         per_travel = np.array((1.0 / M.max(axis=1), np.tile(1.0 / K.diagonal(), 2)))
-        self._next = per_travel / self.parameters.period
-        self._lasting = per_travel / self.parameters.horizon
+        self._per_force[0] = per_travel / self.parameters.period
+        self._per_force[1] = per_travel / self.parameters.horizon
+        rooms = self._room_matrix.reshape((2, 2, 12, 18))
+        np.multiply(self._per_force[..., None], _SIDES, rooms[..., :6])
+        np.multiply(
+            self._per_force[0, ..., None], M, rooms[0, ..., 6:]
+        )  # what is in flight stops no lasting speed
+        self._levels = None
         self._scaled = M * per_travel[0][:, None]
         self.qp.rows[:12, :12] = self._scaled
 
@@ -159,58 +176,57 @@ class CertifiedLaw(Law):
         The same with ``T + d + tau`` for T and without s is the speed that can be kept up without being stopped by s
         later; taking the smaller of both only tightens the rows and makes an approach smooth.
         """
-        w, now, steady = self._w, self._now, self._steady
-        w[:6] = state.wrench
-        np.negative(state.wrench, out=w[6:])
+        load, now, rooms = self._load, self._now, self._rooms
+        load[:6] = state.wrench
+        load[6:] = self.travel.in_flight
         levels = self.caps.levels
-        path = self.travel.in_flight
         if yields:
-            path = path + self.parameters.period * self._y_speeds
+            load[6:] += self.parameters.period * self._y_speeds
             if isinstance(self._yielding, RoundedYield):
                 levels = self.caps.levels_at(self._yielding.distance)
-        np.subtract(levels, w, out=steady)
-        np.subtract(steady, np.dot(self._M, path), out=now)
-        now *= self._next
-        steady *= self._lasting
-        np.minimum(now, steady, out=now)
-        closed = min(now[0].tolist()) <= 0.0
+        if levels is not self._levels:
+            np.multiply(self._per_force, levels, self._offset)
+            self._levels = None if yields else levels
+        np.subtract(self._flat_offset, self._room_matrix.dot(load), self._flat_rooms)
+        np.minimum(rooms[0], rooms[1], out=now)
+        self._tightest = min(now[0].tolist())
         np.maximum(now, 0.0, out=now)
-        upper = self.qp.upper[:12]
+        upper = self._upper
         if yields:  # the speed box leaves what y does not use; y against a direction frees none of it
-            np.subtract(self.box.reach, self._y_speeds, out=upper)
+            np.subtract(self.box.reach, self._y_speeds, upper)
             np.minimum(now[1], upper, out=upper)
         else:
             np.minimum(now[1], self.box.reach, out=upper)
-        return closed
+        return self._tightest <= 0.0
 
     def _solve(self, error: Array, length: float, yields: bool) -> Array:
         """Speeds q, p (12,) for which every row holds, whatever the solver answers."""
-        qp, room, slack = self.qp, self._now[0], self._slack
-        slack[:] = 0.0
-        qp.right[:12] = room
-        upper = qp.upper[:12]
+        qp, room, slack, upper = self.qp, self._now[0], self._slack, self._upper
+        self._right[:] = room
         if min(upper.tolist()) < CLOSED:
             upper[upper < CLOSED] = 0.0
-        shut = room < CLOSED if min(room.tolist()) < CLOSED else None
+        shut = room < CLOSED if self._tightest < CLOSED else None
         if shut is not None:
             # A closed row fixes every variable that it counts, and need not be passed.
             upper[(self._scaled[shut] > 0.0).any(axis=0)] = 0.0
-            qp.right[:12][shut] = 1.0
+            self._right[shut] = 1.0
         unit = self._unit_error(error, length)
-        np.negative(unit, out=qp.rows[_LYAPUNOV, :6])
-        qp.rows[_LYAPUNOV, 6:12] = unit
+        np.negative(unit, self._lyapunov_growing)
+        self._lyapunov_falling[:] = unit
         # The last variable is (gamma - (lambda/2)|e|^2)/|e|, a speed: (e/|e|).v - it <= 0, it >= -(lambda/2)|e|.
         qp.lower[_GAMMA] = -0.5 * self.parameters.lyapunov_rate * length
         qp.cost[_GAMMA] = self.parameters.relaxation_weight * length
-        # |y + p - q|^2 and e.(y + p - q) with y given.
-        np.multiply(self._y, -2.0, out=qp.cost[:6])
-        np.multiply(self._y, 2.0, out=qp.cost[6:12])
-        qp.right[_LYAPUNOV] = -float(unit.dot(self._y)) if yields else 0.0
+        if yields:  # |y + p - q|^2 and e.(y + p - q) with y given
+            np.multiply(self._y, -2.0, qp.cost[:6])
+            np.multiply(self._y, 2.0, qp.cost[6:12])
+            qp.right[_LYAPUNOV] = -float(unit.dot(self._y))
+        else:
+            qp.cost[:12] = 0.0
+            qp.right[_LYAPUNOV] = 0.0
         speeds = qp.solve()[:12]
-        np.copyto(slack, qp.slack[:12])
         if shut is not None:
             slack[shut] = room[shut]
-        if min(slack.tolist()) < 0.0:
+        if qp.least_slack < 0.0:
             self._shorten(speeds)
         return speeds
 
@@ -228,10 +244,8 @@ class CertifiedLaw(Law):
         left = np.minimum(self._slack, self._now[1] - speeds).tolist()
         if min(left) > TOLERANCE:
             return self._rest, False
-        active, pressed = [0.0] * 6, False
-        for i, (w, eps) in enumerate(zip(state.wrench.tolist(), state.error_bound.tolist(), strict=True)):
-            side = (left[i] <= TOLERANCE) - (left[6 + i] <= TOLERANCE)
-            if side:
-                active[i] = side
-                pressed = pressed or side * w > eps
-        return np.array(active), pressed
+        active = [
+            (low <= TOLERANCE) - (high <= TOLERANCE) for low, high in zip(left[:6], left[6:], strict=True)
+        ]
+        load = map(operator.mul, active, state.wrench.tolist())
+        return np.array(active, dtype=float), any(map(operator.gt, load, state.error_bound.tolist()))

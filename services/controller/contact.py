@@ -99,6 +99,8 @@ class StiffnessBound:
         self.reaches: list[tuple[float, float, float]] = [(0.0, 0.0, 0.0)] * len(self.zones)
         self.version = 0
         self._rotation = np.full((3, 3), np.inf)
+        self._turned = np.zeros((3, 3))
+        self._difference = self._turned.ravel()
         self._force: list[float] = []
         self._turn = -1.0
 
@@ -110,7 +112,8 @@ class StiffnessBound:
             turn: [rad] bound on the rotation about each base axis, in flight and to come.
             force: (3,) [N] bound on the sum of the contacts' forces in base axes.
         """
-        difference = (rotation - self._rotation).ravel()
+        difference = self._difference
+        np.subtract(rotation, self._rotation, self._turned)
         # |R - Rc|_F = 2 sqrt(2) sin(angle/2); the factor 0.72 > 1/sqrt(2) keeps the angle's bound above the angle
         # up to half a radian, and a larger difference always recomputes.
         square = float(difference.dot(difference))

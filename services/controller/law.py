@@ -19,6 +19,8 @@ from services.controller.speed import SpeedBox
 from services.controller.travel import Travel
 from shared.spatial import Array, pose_error
 
+_ABSURD = 1e150
+"""A number of this size, or its square, cannot be calculated with."""
 _AT_TARGET = 1e-9
 """Pose error [m, rad] below which the target is reached and the Lyapunov row says nothing."""
 
@@ -109,10 +111,13 @@ class Law(ABC):
         self.travel.advance(dt)
         error = pose_error(state.position, state.rotation, state.target_position, state.target_rotation)
         square = float(error.dot(error))
-        total = square
-        for vector in (state.wrench, state.limit, state.error_bound, state.nominal):
-            total += float(vector.dot(vector))
-        if not math.isfinite(total):
+        size = math.hypot(
+            *state.wrench.tolist(),
+            *state.limit.tolist(),
+            *state.error_bound.tolist(),
+            *state.nominal.tolist(),
+        )
+        if not size + square < _ABSURD:  # nor if it is not a number
             return self._finish(LawOutput(self._rest, self._rest, failure="an input is not finite"))
         self.box.update(state.rotation, self.travel.speeds, dt)
         output = self._move(state, error, math.sqrt(square), dt)

@@ -69,6 +69,7 @@ class Qp:
         self._quadratic = np.asfortranarray(np.diag(2.0 * np.asarray(weight)))
         self._unbounded_below = np.full(m, -UNBOUNDED)
         self.slack = np.zeros(m)
+        self.least_slack = 0.0
         self._solver = self.new_solver()
 
     def new_solver(self) -> piqp.DenseSolver:
@@ -112,12 +113,15 @@ class Qp:
             raise self._failure(
                 f"it took {elapsed * 1e3:.1f} ms, allowed are {self.time_limit * 1e3:.1f} ms", x
             )
-        if not math.isfinite(x.dot(x)):
-            raise self._failure("the solver's answer is not finite", x)
         inside = np.minimum(np.maximum(x, self.lower), self.upper)
-        np.subtract(self.right, np.dot(self.rows, inside), out=self.slack)
+        slack = self.slack
+        np.subtract(self.right, self.rows.dot(inside), slack)
         outside = inside - x
-        worst = max(-min(self.slack.tolist()), math.sqrt(outside.dot(outside)))
+        self.least_slack = min(slack.tolist())
+        distance = math.sqrt(outside.dot(outside))
+        if not distance < math.inf:  # what is not a number is the same distance from itself
+            raise self._failure("the solver's answer is not finite", x)
+        worst = max(-self.least_slack, distance)
         if worst > TOLERANCE:
             raise self._failure(f"the solver's answer breaks a constraint by {worst:.1e}", x)
         return inside

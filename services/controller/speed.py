@@ -40,6 +40,8 @@ class SpeedBox:
     def __init__(self, parameters: ControllerParameters) -> None:
         self.reach = np.zeros(12)
         self._acceleration = np.zeros(12)
+        self._turned = np.zeros((3, 3))
+        self._difference = self._turned.ravel()
         self.configure(parameters)
 
     def configure(self, parameters: ControllerParameters) -> None:
@@ -61,12 +63,14 @@ class SpeedBox:
             speeds: (12,) of the command that acts until now.
             dt: [s] since the last command.
         """
-        difference = (rotation - self._rotation).ravel()
+        difference = self._difference
+        np.subtract(rotation, self._rotation, self._turned)
         if not difference.dot(difference) < _TURN**2:
             self._turn_to(rotation)
-        np.multiply(self._acceleration, min(dt, self._period), out=self.reach)
-        self.reach += speeds
-        np.minimum(self.reach, self._speed, out=self.reach)
+        reach = self.reach
+        np.multiply(self._acceleration, min(dt, self._period), reach)
+        np.add(reach, speeds, reach)
+        np.minimum(reach, self._speed, out=reach)
 
     def _turn_to(self, rotation: Array) -> None:
         self._rotation = rotation.copy()

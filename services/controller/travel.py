@@ -14,6 +14,7 @@ _OLD_SEGMENTS = 4
 """So many segments that have acted but for the lag are folded into the tail together, which is faster."""
 _FORGETTING = 1.01
 """Factor per command with which the shortest interval between commands is forgotten."""
+_NONE = np.zeros(12)
 _INSTANT = 1e-9
 """Times closer than this [s] are equal."""
 
@@ -50,6 +51,7 @@ class Travel:
         self._first = 0
         self._tail = np.zeros(12)
         self._interval = 0.0  # [s] shortest recent one between two commands, 0 = not known yet
+        self._growing, self._falling = self.speeds[:6], self.speeds[6:]
 
     def configure(self, period: float, delay: float, lag: float) -> None:
         """Change the timing [s]; what is in flight is counted with the new one."""
@@ -75,15 +77,16 @@ class Travel:
     def command(self, twist: Array) -> None:
         """Record the twist (6,) [m/s, rad/s] that is sent now."""
         speeds, durations = self.speeds, self._durations
-        np.negative(twist, out=speeds[:6])
-        speeds[6:] = twist
-        np.maximum(speeds, 0.0, out=speeds)
+        np.negative(twist, self._growing)
+        self._falling[:] = twist
+        np.maximum(speeds, _NONE, out=speeds)
         # It may act early, in place of earlier ones, by the spread of the delay: at most T less a regular interval.
         row = self._first + len(durations)
         early = self.period - self._interval
         while early > _INSTANT and row > self._first:
             row -= 1
-            np.maximum(self._acting[row], speeds, out=self._acting[row])
+            acting = self._acting[row]
+            np.maximum(acting, speeds, out=acting)
             early -= durations[row - self._first]
 
     def _push(self, duration: float) -> None:
@@ -91,9 +94,8 @@ class Travel:
         row = self._first + len(durations)
         if row == _ROWS:
             row = self._compact()
-        self._sent[row] = self.speeds
+        self._sent[row] = self._acting[row] = self.speeds
         acting = self._acting[row]
-        acting[:] = self.speeds
         # An earlier command may still act, as long as it is not older than T.
         age, earlier = 0.0, row
         while earlier > self._first:

@@ -257,3 +257,21 @@ def test_a_lower_limit_moves_the_threshold_of_yielding_with_it(yield_start: floa
     assert not law.step(state(wrench), 0.01).yielding
     output = law.step(state(wrench, limit=0.5 * LIMIT), 0.01)
     assert output.yielding and output.twist[1] > 0.0
+
+
+@pytest.mark.parametrize("start", [1.0, 0.8])
+def test_changed_limits_and_errors_are_those_of_the_next_command(start: float) -> None:
+    wrench = [-7.0, 0.0, 0.0, 0.0, 0.0, 0.0]  # pushed back by what lies before the target
+
+    def speed(before: tuple[float, float]) -> float:
+        law = make(yield_start=start)
+        twist = np.zeros(6)
+        for factor, error in (before, (1.0, 1.0)):
+            given = state(wrench, target=[0.3, 0, 0], limit=factor * LIMIT, error_bound=error * ERROR)
+            twist = law.step(given, 0.01).twist
+            law.brake(1.0)
+        return float(twist[0])
+
+    fresh = speed((1.0, 1.0))
+    assert fresh > 1e-3
+    assert speed((2.0, 1.0)) == speed((1.0, 3.0)) == pytest.approx(fresh)
