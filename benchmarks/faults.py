@@ -17,7 +17,7 @@ from pathlib import Path
 
 import msgpack
 
-from benchmarks.fault_robot import LEVEL, POSITION, FaultRobot, healthy
+from benchmarks.fault_robot import LEVEL, POSITION, FaultRobot
 from benchmarks.table import Row, at_most
 from shared.bus import NoReply
 from shared.client import Client
@@ -26,6 +26,7 @@ from shared.parameters import Refused
 from shared.topics import CONTROL_TARGET, SENSOR_FT, STOP, WRENCH_TARE
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process
+from tests.support.spoilt_bus import healthy
 
 COMMAND = "python -m benchmarks.faults"
 LONGEST_WAIT = 120.0
@@ -140,9 +141,9 @@ class Fault:
 
 def _spoil(change: Callable[[bytes], tuple[bytes, ...]]) -> Callable[[Stack], int]:
     def inject(stack: Stack) -> int:
-        stack.robot.spoil = lambda key, payload: change(payload) if key == SENSOR_FT.key else (payload,)
+        stack.robot.bus.spoil = lambda key, payload: change(payload) if key == SENSOR_FT.key else (payload,)
         time.sleep(0.012)
-        return stack.robot.last_sent_ns
+        return stack.robot.bus.last_sent_ns
 
     return inject
 
@@ -152,7 +153,7 @@ def _altered(payload: bytes, **fields: object) -> tuple[bytes, ...]:
 
 
 def _sound(stack: Stack) -> None:
-    stack.robot.spoil = healthy
+    stack.robot.bus.spoil = healthy
 
 
 def _signal(name: str, number: signal.Signals) -> Callable[[Stack], int]:

@@ -36,6 +36,12 @@ class StubParameters(Parameters):
     joint_rate: float = parameter(
         1000.0, unit="Hz", minimum=20.0, maximum=1000.0, doc="state/ee, at most rate"
     )
+    ticks: int = parameter(
+        1, unit="", minimum=1, maximum=100, doc="ticks of the gate per sample of sensor/ft"
+    )
+    still: bool = parameter(
+        False, unit="", doc="whether the tool stays where it is, whatever the gate lets through"
+    )
     base_type: Literal["differential", "omni"] = parameter("differential", unit="", doc="kind of base")
     max_linear: float = parameter(0.5, unit="m/s", minimum=0.01, maximum=2.0, doc="gate, linear")
     max_angular: float = parameter(1.0, unit="rad/s", minimum=0.01, maximum=3.0, doc="gate, angular")
@@ -65,7 +71,7 @@ class StubRobot:
         self._ticks = 0
         self.wiring = Wiring(
             name="robot",
-            driver=1.0 / parameters.rate,
+            driver=1.0 / (parameters.rate * parameters.ticks),
             optional=(
                 *RobotSide.INPUTS,
                 topics.COMMAND_BASE_TWIST,
@@ -113,8 +119,9 @@ class StubRobot:
 
     def _move(self, dt: float, base_velocity: Array) -> None:
         self.twist = self.side.advance(dt)
-        self.position = self.position + dt * self.twist[:3]
-        if self.twist[3:].any():
+        if not self._settings.still:
+            self.position = self.position + dt * self.twist[:3]
+        if self.twist[3:].any() and not self._settings.still:
             self.rotation = rotation_from_vector(dt * self.twist[3:]) @ self.rotation
         cosine, sine = np.cos(self.base[2]), np.sin(self.base[2])
         vx, vy, wz = base_velocity
@@ -122,14 +129,18 @@ class StubRobot:
         self.base_velocity = base_velocity
 
     def _due(self, rate: float) -> bool:
-        every = max(1, round(self._settings.rate / rate))
+        every = max(1, round(self._settings.rate * self._settings.ticks / rate))
         return self._ticks % every == 0
 
     def _outputs(self) -> list[Output]:
-        outputs = [Output(topics.SENSOR_FT, self._ft_sample())]
+        outputs = []
         if self._due(self._settings.joint_rate):
-            tool = EndEffector(self.position, quaternion(self.rotation), self.twist[:3], self.twist[3:])
+            twist = np.zeros(6) if self._settings.still else self.twist
+            tool = EndEffector(self.position, quaternion(self.rotation), twist[:3], twist[3:])
             outputs.append(Output(topics.STATE_EE, tool))
+        # The pose goes first: whoever is driven by the sample finds it there.
+        if self._due(self._settings.rate):
+            outputs.append(Output(topics.SENSOR_FT, self._ft_sample()))
         if self._due(topics.STATE_JOINTS.rate):
             zeros = np.zeros(len(_JOINTS))
             outputs.append(Output(topics.STATE_JOINTS, JointState(_JOINTS, zeros, zeros, zeros)))

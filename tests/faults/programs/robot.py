@@ -6,8 +6,6 @@ Each program of this folder states one kind of misbehaviour and plays it: ``pyth
 from __future__ import annotations
 
 import argparse
-import random
-import secrets
 import signal
 import time
 from collections.abc import Callable, Iterable
@@ -15,23 +13,16 @@ from typing import Any
 
 import msgpack
 
-from shared.bus_zenoh import ZenohBus
-from shared.codec import encode
-from shared.messages import EndEffector, FtSample, Header
+from shared.clock import SteadyClock, seconds
+from shared.runner import Runner
 from shared.topics import SENSOR_FT, STATE_EE
+from tests.support.spoilt_bus import Spoil, SpoiltBus, healthy
+from tests.support.stub_robot import StubParameters, StubRobot
 
 PERIOD = 1 / 30
 """The slowest rate of the contract: what is told late or lost at it is the fault's doing, not a loaded machine's."""
 POSITION = (0.5, -0.3, 1.0)
 LEVEL = (0.0, 0.0, 0.0, 1.0)
-
-Spoil = Callable[[str, bytes], Iterable[bytes]]
-"""What is sent in place of a payload under a key; called once per payload while misbehaving."""
-
-
-def healthy(_key: str, payload: bytes) -> Iterable[bytes]:
-    """The payload as it is."""
-    return (payload,)
 
 
 def altered(payload: bytes, **fields: Any) -> bytes:
@@ -52,24 +43,21 @@ def play(spoil: Spoil = healthy) -> None:
     signal.signal(signal.SIGUSR1, lambda *_: switch.update(on=True))
     signal.signal(signal.SIGUSR2, lambda *_: switch.update(on=False))
     signal.signal(signal.SIGTERM, lambda *_: switch.update(ended=True))
-    bus = ZenohBus(connect=parser.parse_args().connect)
-    session, noise = secrets.randbits(62), random.Random(1)
-    due, sequence = time.monotonic(), 0
+    bus = SpoiltBus(parser.parse_args().connect)
+
+    def misbehave(key: str, payload: bytes) -> Iterable[bytes]:
+        if key not in (SENSOR_FT.key, STATE_EE.key):
+            return ()
+        return spoil(key, payload) if switch["on"] else (payload,)
+
+    bus.spoil = misbehave
+    clock = SteadyClock()
+    robot = StubRobot(StubParameters(rate=1 / PERIOD, still=True, position=POSITION))
+    runner = Runner(robot, bus, clock)
     print("playing", flush=True)
     while not switch["ended"]:
-        header = Header(sequence, session, time.monotonic_ns(), True)
-        force, torque = ([noise.gauss(0.0, scale) for _ in range(3)] for scale in (0.05, 0.002))
-        messages = (
-            (STATE_EE.key, EndEffector(POSITION, LEVEL, (0.0,) * 3, (0.0,) * 3)),
-            (SENSOR_FT.key, FtSample(force, torque, LEVEL, (0.0, 0.0, 0.1), False)),
-        )
-        for key, message in messages:
-            payload = encode(message, header)
-            for sent in spoil(key, payload) if switch["on"] else (payload,):
-                bus.publish(key, sent)
-        sequence += 1
-        due = max(due + PERIOD, time.monotonic() - PERIOD)
-        time.sleep(max(0.0, due - time.monotonic()))
+        time.sleep(max(0.0, seconds(runner.next_deadline() - clock.now_ns())))
+        runner.poll()
     bus.close()
 
 
