@@ -23,7 +23,8 @@ class Client:
     def __init__(self, bus: Bus, clock: Clock | None = None) -> None:
         self.bus = bus
         self.clock = clock or SteadyClock()
-        self.publish = Publisher(bus, self.clock).publish
+        self.publisher = Publisher(bus, self.clock)
+        self.publish = self.publisher.publish
 
     def watch(self, topic: Topic[M], on_message: Callable[[Received[M]], None] | None = None) -> Inlet[M]:
         """Subscribe; ``on_message`` is called from a thread of the bus and has to return at once."""

@@ -19,12 +19,15 @@ class Publisher:
     Args:
         bus: where to send.
         clock: the participant's steady clock.
+
+    Attributes:
+        session: what tells this start of the participant from any other.
     """
 
     def __init__(self, bus: Bus, clock: Clock) -> None:
         self._bus = bus
         self._clock = clock
-        self._session = secrets.randbits(62)
+        self.session = secrets.randbits(62)
         self._next: dict[str, int] = {}
         self._lock = threading.Lock()
 
@@ -34,4 +37,4 @@ class Publisher:
             sequence = self._next.get(topic.key, 0)
             self._next[topic.key] = sequence + 1
         stamp = self._clock.now_ns() if stamp is None else stamp
-        self._bus.publish(topic.key, encode(message, Header(sequence, self._session, stamp, valid)))
+        self._bus.publish(topic.key, encode(message, Header(sequence, self.session, stamp, valid)))

@@ -264,7 +264,7 @@ def test_restarted_process_goes_on_with_the_tare_of_the_same_robot_run(tmp_path:
     rig.run(0.5)
     before = rig.wrenches.mean(axis=0)
     again = Rig(tmp_path)
-    again.stack.client._session = rig.stack.client._session
+    again.stack.client.publisher.session = rig.stack.client.publisher.session
     again.external = BAG
     again.run(0.5)
     assert again.last.message.compensation == "tare"
@@ -286,7 +286,7 @@ def test_tare_survives_a_restart_of_the_robot_process() -> None:
     rig.ask(WRENCH_TARE, duration=1.0)
     rig.on = False
     rig.run(2.0)
-    rig.stack.client._session += 1
+    rig.stack.client.publisher.session += 1
     rig.on = True
     rig.run(0.5)
     assert rig.last.header.valid and rig.last.message.compensation == "tare"
