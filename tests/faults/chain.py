@@ -158,6 +158,11 @@ class Chain:
         latest = self.health[service].latest
         return latest.message.inputs[key].rejected if latest else 0
 
+    def sensor_ok(self) -> bool:
+        """Whether the wrench service reports that all is well."""
+        latest = self.health["wrench"].latest
+        return latest is not None and latest.message.state == "ok"
+
     def unharmed(self) -> None:
         """Nothing crashed, nothing was commanded beyond a limit, nothing that is no message was said."""
         for process in (self.wrench, self.controller):

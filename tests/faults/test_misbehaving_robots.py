@@ -20,7 +20,6 @@ BRAKES = [
     "oversized",
     "burst",
     "late",
-    "very_lossy",
     "liar_stamp",
     "invalid_sensor",
 ]
@@ -61,10 +60,7 @@ def test_brakes_and_stays_so_until_released(chain: Chain, name: str) -> None:
         eventually(lambda: "latched" in chain.watch.reason, PATIENCE, "braking is latched")
         assert LATCHES[name] in chain.watch.reason and "tandem resume" in chain.watch.reason
         program.signal(signal.SIGUSR2)
-        health = chain.health["wrench"]
-        eventually(
-            lambda: health.latest and health.latest.message.state == "ok", PATIENCE, "the sensor is back"
-        )
+        eventually(chain.sensor_ok, PATIENCE, "the sensor is back")
         count = len(chain.watch.commands)
         throughout(lambda: chain.watch.moved_since(count) == 0, 1.0, "no motion before the release")
         chain.release()
@@ -93,6 +89,19 @@ def test_a_sequence_far_ahead_is_survived_without_help(chain: Chain) -> None:
         program.signal(signal.SIGUSR1)
         chain.brakes()
         chain.works("the true sequence is followed again")
+    chain.unharmed()
+
+
+def test_heavy_loss_brakes(chain: Chain) -> None:
+    with robot(chain, "very_lossy") as program:
+        chain.works("the healthy robot moves")
+        program.signal(signal.SIGUSR1)
+        chain.brakes()
+        program.signal(signal.SIGUSR2)
+        # More than 100 ms without a sample, while the tool's pose came through, may have been among it: a latch.
+        eventually(chain.sensor_ok, PATIENCE, "the samples come through")
+        chain.release()
+        chain.works("it resumes")
     chain.unharmed()
 
 

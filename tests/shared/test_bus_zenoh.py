@@ -15,18 +15,21 @@ from tests.conftest import Router, StartProcess
 from tests.support.ports import free_endpoint
 from tests.support.wait import eventually, throughout
 
+KEY = "command/ee_twist"
+"""A key whose messages come again soon, and may be dropped."""
+
 
 class Pair:
-    """Two participants of one router; what the second hears under ``stop``."""
+    """Two participants of one router; what the second hears."""
 
     def __init__(self, endpoint: str) -> None:
         self.one, self.two = ZenohBus(connect=endpoint), ZenohBus(connect=endpoint)
         self.heard: list[bytes] = []
-        self.two.subscribe("stop", self.heard.append)
+        self.two.subscribe(KEY, self.heard.append)
 
     def through(self) -> bool:
         """Whether payloads pass at present; sends one more each time it is asked."""
-        self.one.publish("stop", b"probe")
+        self.one.publish(KEY, b"probe")
         return b"probe" in self.heard
 
     def close(self) -> None:
@@ -46,7 +49,7 @@ def test_payloads_arrive_whole_and_in_order(pair: Pair) -> None:
     pair.heard.clear()
     payloads = [bytes([number]) * (1 + 7 * number) for number in range(200)]
     for payload in payloads:
-        pair.one.publish("stop", payload)
+        pair.one.publish(KEY, payload)
     eventually(lambda: pair.heard[-1:] == payloads[-1:], message="the last payload")
     arrived = [payload for payload in pair.heard if payload != b"probe"]
     assert arrived == [
@@ -56,11 +59,11 @@ def test_payloads_arrive_whole_and_in_order(pair: Pair) -> None:
 
 @pytest.mark.parametrize("size", [0, 1_000_000, 4 * 1024 * 1024])
 def test_large_payloads_pass(pair: Pair, size: int) -> None:
-    eventually(lambda: pair.one.publish("stop", bytes(size)) or bytes(size) in pair.heard)
+    eventually(lambda: pair.one.publish(KEY, bytes(size)) or bytes(size) in pair.heard)
 
 
 def test_a_payload_beyond_every_size_is_lost_and_the_next_ones_pass(pair: Pair) -> None:
-    pair.one.publish("stop", bytes(20_000_000))
+    pair.one.publish(KEY, bytes(20_000_000))
     pair.heard.clear()
     eventually(pair.through, message="a payload after the excessive one")
     assert max(map(len, pair.heard)) < 100
@@ -69,11 +72,11 @@ def test_a_payload_beyond_every_size_is_lost_and_the_next_ones_pass(pair: Pair) 
 def test_two_robots_on_one_network_do_not_hear_each_other(pair: Pair, shared_router: Router) -> None:
     other = ZenohBus(robot="reem", connect=shared_router.endpoint)
     heard: list[bytes] = []
-    other.subscribe("stop", heard.append)
+    other.subscribe(KEY, heard.append)
     other.alive("wrench")
     try:
-        eventually(lambda: other.publish("stop", b"mine") or b"mine" in heard)
-        pair.one.publish("stop", b"last")
+        eventually(lambda: other.publish(KEY, b"mine") or b"mine" in heard)
+        pair.one.publish(KEY, b"last")
         eventually(lambda: b"last" in pair.heard)
         assert b"mine" not in pair.heard and b"probe" not in heard
         assert pair.one.living() == set() and other.living() == {"wrench"}
@@ -129,7 +132,7 @@ def test_payloads_pass_again_soon_after_the_router_was_killed_and_restarted(
         eventually(lambda: not pair.one.connected(), message="the loss of the router noticed")
         pair.heard.clear()
         for _ in range(100):
-            pair.one.publish("stop", b"lost")  # neither blocks nor raises
+            pair.one.publish(KEY, b"lost")  # neither blocks nor raises
         assert pair.one.living() == set()
         with pytest.raises(NoReply):
             pair.one.query("wrench/tare", b"", timeout=0.5)
@@ -151,7 +154,7 @@ def test_a_hung_router_holds_nobody_up_and_is_used_again_when_it_wakes(router: R
 
         def publish() -> None:
             for _ in range(2000):
-                pair.one.publish("stop", bytes(10_000))
+                pair.one.publish(KEY, bytes(10_000))
             published.set()
 
         threading.Thread(target=publish, daemon=True).start()

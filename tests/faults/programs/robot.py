@@ -35,8 +35,8 @@ def sensor_only(spoil: Callable[[bytes], Iterable[bytes]]) -> Spoil:
     return lambda key, payload: spoil(payload) if key == SENSOR_FT.key else (payload,)
 
 
-def play(spoil: Spoil = healthy) -> None:
-    """Run until SIGTERM."""
+def play(spoil: Spoil = healthy, rate: float = 1 / PERIOD) -> None:
+    """Run until SIGTERM, with ``rate`` [Hz] messages of each kind per second."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--connect", required=True)
     switch = {"on": False, "ended": False}
@@ -52,7 +52,7 @@ def play(spoil: Spoil = healthy) -> None:
 
     bus.spoil = misbehave
     clock = SteadyClock()
-    robot = StubRobot(StubParameters(rate=1 / PERIOD, still=True, position=POSITION))
+    robot = StubRobot(StubParameters(rate=rate, still=True, position=POSITION))
     runner = Runner(robot, bus, clock)
     print("playing", flush=True)
     while not switch["ended"]:
