@@ -194,13 +194,13 @@ class ZenohBus:
 
     def _declare(self, key: str) -> zenoh.Publisher:
         topic = topic_by_key(key)
-        # What is said once, such as a stop, must not be dropped for want of room; what is said again soon, may be.
-        once = topic is not None and topic.rate == 0
         bulky = topic is not None and topic.cap > MAP_CAP
         return self._session.declare_publisher(
             self._full(key),
             encoding=zenoh.Encoding("application/msgpack"),
-            congestion_control=zenoh.CongestionControl.BLOCK if once else zenoh.CongestionControl.DROP,
+            # Blocking, a put stands still for seconds behind a hung router, and with it the loop that controls. What
+            # must arrive, such as a stop, is repeated until its effect is seen.
+            congestion_control=zenoh.CongestionControl.DROP,
             priority=zenoh.Priority.DATA_LOW if bulky else zenoh.Priority.REAL_TIME,
             express=True,
         )
