@@ -13,7 +13,6 @@ from collections.abc import Sequence
 
 from services.controller.caps import Caps
 from services.controller.contact import StiffnessBound
-from services.controller.haste import Haste
 
 _STOPPED = 1e-7
 """An integral slower than this [m/s, rad/s] has ended."""
@@ -136,8 +135,7 @@ class RoundedYield(Yielding):
 
     At rest the distance is measured in the room left above the box, which is what the rounded caps share out. Once the
     environment has moved it is measured in ``sqrt(Kbar_ii)``, in which no axis is much stiffer than another: that
-    follows faster, and where the wrench goes on growing the answer does too (``Haste``). It stays so until the wrench
-    is back in the box.
+    follows faster. It stays so until the wrench is back in the box.
 
     Attributes:
         distance: h (6,), how far each axis is beyond its threshold, in units of the room left above it; V = |h|.
@@ -148,7 +146,6 @@ class RoundedYield(Yielding):
         super().__init__()
         self.distance = [0.0] * 6
         self.moved = False
-        self._haste = Haste()
 
     @property
     def at_rest(self) -> bool:
@@ -170,12 +167,7 @@ class RoundedYield(Yielding):
         y = down_the_gradient(wrench, caps.start, scale, bound, response_time)
         if y is None and self._integral.at_rest:
             self.moved = False
-            self._haste = Haste()
             return None
-        if self.moved and y is not None:
-            excess = [h * room / x for h, room, x in zip(self.distance, caps.room, scale, strict=True)]
-            factor = self._haste.update(math.hypot(*excess), response_time, dt)
-            y = [factor * value for value in y]
         return self._integral.add(y or _NONE, wrench, speed, response_time, dt)
 
 
