@@ -41,7 +41,9 @@ def play(run: Run) -> Recording:
         stack.add(experiment)
         stack.run(LONGEST, done=lambda: experiment.finished)
     if not experiment.finished:
-        raise TimeoutError(f"{run.name}: still {experiment.sequence.phase} after {LONGEST:g} s of simulated time")
+        raise TimeoutError(
+            f"{run.name}: still {experiment.sequence.phase} after {LONGEST:g} s of simulated time"
+        )
     return experiment.recording(bus="in-process, simulated time")
 
 
