@@ -9,6 +9,7 @@ from typing import Generic, TypeVar
 from shared import messages as m
 from shared.codec import MAP_CAP
 from shared.fields import Record
+from shared.sim_messages import SimWorld
 
 M = TypeVar("M", bound=Record)
 
@@ -82,7 +83,7 @@ CONTROL_STATUS = Topic("control/status", m.ControlStatus, 100, 1.0, ("controller
 BASE_STATUS = Topic("base/status", m.BaseStatus, 100, 1.0, ("base",))
 BASE_ENABLE = Topic("base/enable", m.Enable, 5, 1.0, ("task",))
 TASK_STATUS = Topic("task/status", m.TaskStatus, 5, 1.0, ("task",))
-SIM_WORLD = Topic("sim/world", m.SimWorld, 30, 0.5, (ROBOT,))
+SIM_WORLD = Topic("sim/world", SimWorld, 30, 0.5, (ROBOT,))
 
 TOPICS: tuple[Topic, ...] = (
     SENSOR_FT,

@@ -17,10 +17,11 @@ from services.sim.world import World
 from shared import topics
 from shared.faults import Fault
 from shared.limits import GateLimits
-from shared.messages import BagState, BaseState, FtSample, GripperState, SimWorld
+from shared.messages import BaseState, FtSample, GripperState
 from shared.parameters import Parameters
 from shared.robot_side import RobotSide
 from shared.service import Inputs, Output, Wiring
+from shared.sim_messages import BagState, SimWorld
 from shared.spatial import quaternion
 from shared.topics import Query
 

@@ -12,7 +12,8 @@ from services.experiment.recording import Event, Recorder, Recording
 from shared import topics
 from shared.codec import decode_map, encode, encode_map
 from shared.fields import Record
-from shared.messages import BagState, Header, Health, InputHealth, JointState, SimWorld
+from shared.messages import Header, Health, InputHealth, JointState
+from shared.sim_messages import BagState, SimWorld
 
 
 def payload(message: Record, seq: int = 0) -> bytes:

@@ -1,0 +1,46 @@
+"""The messages that only a simulation publishes, see ``shared.messages``; world is ``base_footprint`` at the start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shared.fields import Boolean, Number, Quaternion, Record, RecordOf, Vector, of
+
+
+@dataclass(frozen=True, eq=False)
+class PanelState(Record):
+    """The simulated panel, in world."""
+
+    position: np.ndarray = of(Vector("m"))
+    orientation: np.ndarray = of(Quaternion())
+
+
+@dataclass(frozen=True, eq=False)
+class BagState(Record):
+    """The simulated bag."""
+
+    mass: float = of(Number("kg", minimum=0.0))
+    height: float = of(Number("m"))
+
+
+@dataclass(frozen=True, eq=False)
+class HandState(Record):
+    """The simulated person's hands, in world."""
+
+    position: np.ndarray = of(Vector("m"))
+    force: np.ndarray = of(Vector("N"))
+    torque: np.ndarray = of(Vector("Nm"))
+
+
+@dataclass(frozen=True, eq=False)
+class SimWorld(Record):
+    """Ground truth of the simulation, in ``base_footprint`` as it stood at the start."""
+
+    time: float = of(Number("s", "simulated"))
+    panel: PanelState | None = of(RecordOf(record=PanelState, nullable=True))
+    bag: BagState | None = of(RecordOf(record=BagState, nullable=True))
+    hand: HandState | None = of(RecordOf(record=HandState, nullable=True))
+    contact_force: np.ndarray = of(Vector("N"))
+    marker_visible: bool = of(Boolean())
