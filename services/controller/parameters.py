@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Literal
 
 from services.controller.zone import ContactZone
+from shared.messages import LONGEST_TTL
 from shared.parameters import Parameters, Vector3, Vector6, check_range, parameter
 
 LawName = Literal["certified", "paper", "stiffness"]
-
-LARGEST_TTL = 0.2
-"""Longest time to live [s] of a command that the contract allows."""
 
 
 class ControllerParameters(Parameters):
@@ -73,7 +71,7 @@ class ControllerParameters(Parameters):
         0.02,
         unit="s",
         minimum=1e-3,
-        maximum=LARGEST_TTL,
+        maximum=LONGEST_TTL,
         doc="T, longest time one command acts; sent as its ttl",
     )
     delay: float = parameter(
