@@ -115,7 +115,6 @@ class Summary:
     p95: float
     highest: float
     over: float
-    over_covered: int
     sustained: float
     travelled: float
     missing: float
@@ -144,7 +143,6 @@ def _summary(group: str, law: str, results: list[Result]) -> Summary:
         p95=float(np.quantile(peaks, 0.95)),
         highest=float(peaks.max()),
         over=float(np.mean(peaks > OVER)),
-        over_covered=sum(result.covered and result.peak > OVER for result in results),
         sustained=float(np.mean([result.sustained for result in results])),
         travelled=float(np.median([result.travelled for result in results])),
         missing=float(np.median([result.missing for result in results])),

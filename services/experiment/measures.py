@@ -37,7 +37,6 @@ class Measures:
     reversals: int  # turn-rounds on the way that are larger than REVERSAL
     bag_height: float  # mean height of the bag over the last seconds before it is taken off
     lift: float  # how far the bag was lifted off the ground again, at most
-    ground_load: float  # mean -force z with the bag on the ground
     ground_peak: float  # largest -force z there
     ground_ripple: float  # standard deviation of tool z there
     return_error: float  # distance from the hold pose at the end
@@ -93,7 +92,6 @@ def measure(recording: Recording) -> Measures:
         reversals=reversals(height[way], REVERSAL),
         bag_height=float(np.mean(bag_height[_within(bag_time, unload - SETTLED, unload)])),
         lift=float(np.max(bag_height[landed])) if landed.any() else float("nan"),
-        ground_load=float(np.mean(load[ground])) if ground.any() else float("nan"),
         ground_peak=float(np.max(load[ground])) if ground.any() else float("nan"),
         ground_ripple=float(np.std(height[ground_way])) if ground_way.any() else float("nan"),
         return_error=float(np.max(back[time >= time[-1] - 0.5])),

@@ -39,11 +39,6 @@ def jacobian(r: Array) -> Array:
     return np.hstack((np.eye(3), -skew(r)))
 
 
-def compliance_wrench(stiffness: Array, displacement: Array) -> Array:
-    """Wrench (6,) of linear springs after a small displacement (6,) of the tool."""
-    return -stiffness @ displacement
-
-
 def state(
     wrench: Array | None = None,
     position: Array | None = None,
