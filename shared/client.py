@@ -8,10 +8,10 @@ from typing import Any, TypeVar
 from shared.bus import Bus
 from shared.clock import Clock, SteadyClock
 from shared.codec import Rejected, decode_map, encode_map
-from shared.fields import Record
 from shared.inlet import Inlet, Received
 from shared.parameters import Refused
 from shared.publisher import Publisher
+from shared.records import Record
 from shared.topics import Query, Topic
 
 M = TypeVar("M", bound=Record)

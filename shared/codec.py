@@ -6,8 +6,9 @@ from typing import Any, TypeVar
 
 import msgpack
 
-from shared.fields import InvalidField, Record
+from shared.fields import InvalidField
 from shared.messages import Header
+from shared.records import Record
 
 MAP_CAP = 64 * 1024
 """Largest payload [bytes] of a query, and of every message that is not an image."""

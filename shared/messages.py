@@ -11,21 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shared.fields import (
-    Boolean,
-    Bytes,
-    Integer,
-    InvalidField,
-    MapOf,
-    Number,
-    Quaternion,
-    Record,
-    RecordOf,
-    Text,
-    TextList,
-    Vector,
-    of,
-)
+from shared.fields import Boolean, Bytes, Integer, InvalidField, Number, Quaternion, Text, TextList, Vector
+from shared.records import MapOf, Record, RecordOf, of
 
 LONGEST_TTL = 0.2
 """No command is executed for longer than this [s] after its publication, whatever its ``ttl`` says."""

@@ -8,8 +8,8 @@ import threading
 from shared.bus import Bus
 from shared.clock import Clock
 from shared.codec import encode
-from shared.fields import Record
 from shared.messages import Header
+from shared.records import Record
 from shared.topics import Topic
 
 

@@ -5,21 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import MISSING
 
-from shared.fields import (
-    Boolean,
-    Bytes,
-    Integer,
-    Kind,
-    MapOf,
-    Number,
-    Quaternion,
-    Record,
-    RecordOf,
-    Text,
-    TextList,
-    Vector,
-)
+from shared.fields import Boolean, Bytes, Integer, Kind, Number, Quaternion, Text, TextList, Vector
 from shared.messages import Header
+from shared.records import MapOf, Record, RecordOf
 from shared.topics import ANYBODY, QUERIES, ROBOT, TOPICS, health_topic
 
 _PREAMBLE = """\

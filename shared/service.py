@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol, TypeVar
 
 from shared.faults import Fault
-from shared.fields import Record
 from shared.messages import Header
 from shared.parameters import Parameters
+from shared.records import Record
 from shared.topics import Query, Topic
 
 M = TypeVar("M", bound=Record)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shared.fields import Boolean, Number, Quaternion, Record, RecordOf, Vector, of
+from shared.fields import Boolean, Number, Quaternion, Vector
+from shared.records import Record, RecordOf, of
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,8 @@ import numpy as np
 import zenoh
 
 from shared.codec import Rejected, decode, encode
-from shared.fields import Record
 from shared.messages import EndEffector, FtSample, Header, RobotStatus, Stop, TwistCommand
+from shared.records import Record
 from shared.spatial import Array, rotation_matrix
 from shared.topics import COMMAND_EE_TWIST, SENSOR_FT, STATE_EE, STATE_ROBOT, STOP, Topic, topic_by_key
 from tests.support.processes import Process

@@ -11,10 +11,10 @@ from shared.bus_local import LocalBus, Scheduler
 from shared.clock import nanoseconds
 from shared.codec import encode
 from shared.faults import Fault, FaultKind
-from shared.fields import Record
 from shared.inlet import Inlet, Received
 from shared.messages import ControlTarget, EndEffector, ExternalWrench, FtSample, Header, TwistCommand
 from shared.parameters import Parameters, Refused, parameter
+from shared.records import Record
 from shared.service import Inputs, Output, Wiring
 from shared.topics import (
     COMMAND_EE_TWIST,

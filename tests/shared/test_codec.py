@@ -13,8 +13,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from shared.codec import MAP_CAP, Rejected, decode, decode_map, encode, encode_map
-from shared.fields import Kind, MapOf, Number, Record, RecordOf, Vector
+from shared.fields import Kind, Number, Vector
 from shared.messages import FtSample
+from shared.records import MapOf, Record, RecordOf
 from tests.shared.strategies import MESSAGES, any_plain, payload_map
 
 every_message = pytest.mark.parametrize("message", MESSAGES, ids=lambda message: message.__name__)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shared.fields import Record
 from shared.limits import SILENCE, GateLimits
 from shared.messages import Header, RobotStatus, Stop, TwistCommand
+from shared.records import Record
 from shared.robot_side import HOLDING_AFTER, RobotSide
 from shared.service import Inputs, Reading
 from shared.topics import COMMAND_EE_TWIST, STATE_ROBOT, STOP, Topic

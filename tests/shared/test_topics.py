@@ -6,8 +6,8 @@ import itertools
 
 import pytest
 
-from shared.fields import MapOf, RecordOf
 from shared.messages import Header
+from shared.records import MapOf, RecordOf
 from shared.topics import (
     ANYBODY,
     QUERIES,

@@ -18,7 +18,6 @@ from shared.bus_zenoh import ZenohBus
 from shared.client import Client
 from shared.clock import SteadyClock
 from shared.codec import encode
-from shared.fields import Record
 from shared.inlet import Received
 from shared.messages import (
     ControlStatus,
@@ -30,6 +29,7 @@ from shared.messages import (
     TwistCommand,
 )
 from shared.parameters import Refused
+from shared.records import Record
 from shared.topics import (
     COMMAND_EE_TWIST,
     CONTROL_PARAMETERS,
