@@ -26,7 +26,7 @@ def rotation_matrix(quaternion_xyzw: ArrayLike) -> Array:
     Raises:
         ValueError: if the quaternion has zero or non-finite norm.
     """
-    x, y, z, w = (float(value) for value in quaternion_xyzw)  # type: ignore[arg-type, union-attr]
+    x, y, z, w = np.asarray(quaternion_xyzw, dtype=float).tolist()
     norm = math.sqrt(x * x + y * y + z * z + w * w)
     if not 0.0 < norm < math.inf:
         raise ValueError(f"a quaternion of norm {norm} is no rotation")

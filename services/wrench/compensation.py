@@ -69,7 +69,7 @@ class Compensation:
     def offset(self, rotation: Array) -> Array:
         """What to subtract (6,) [N, Nm] from a reading taken with the sensor at ``rotation`` in base."""
         if self.kind == "payload":
-            return self.bias + self._weight_of_up @ rotation[2]
+            return self.bias + self._weight_of_up.dot(rotation[2])
         return self.bias
 
     @cached_property
@@ -104,7 +104,14 @@ def transport(rotation: Array, tool_offset: Array) -> Array:
         tool_offset: tool's origin from the sensor's origin (3,) [m], sensor axes.
     """
     x, y, z = tool_offset.tolist()
-    matrix = np.zeros((6, 6))
-    matrix[:3, :3] = matrix[3:, 3:] = rotation
-    matrix[3:, :3] = rotation @ np.array(((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0)))
-    return matrix
+    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
+    return np.array(
+        (
+            (a, b, c, 0.0, 0.0, 0.0),
+            (d, e, f, 0.0, 0.0, 0.0),
+            (g, h, i, 0.0, 0.0, 0.0),
+            (c * y - b * z, a * z - c * x, b * x - a * y, a, b, c),
+            (f * y - e * z, d * z - f * x, e * x - d * y, d, e, f),
+            (i * y - h * z, g * z - i * x, h * x - g * y, g, h, i),
+        )
+    )

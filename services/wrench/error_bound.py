@@ -76,11 +76,11 @@ def error_bound(
         weight = unknown_weight(tool_mass, tool_reach, (0.0, 0.0, GRAVITY))
     elif compensation.kind == "tare":
         box = box + compensation.bias_error
-        x, y, z = (rotation @ compensation.up).tolist()
+        x, y, z = rotation.dot(compensation.up).tolist()
         weight = unknown_weight(tool_mass, tool_reach, (-GRAVITY * x, -GRAVITY * y, GRAVITY * (1.0 - z)))
     else:
         box = box + compensation.bias_error
         # The wrong weight acts at the sensor's origin, straight down; what its moment is wrong by turns about x and y.
-        weight = GRAVITY * compensation.mass_error * np.abs(to_tool[:, :3] @ rotation[2])
+        weight = GRAVITY * compensation.mass_error * np.abs(to_tool[:, :3].dot(rotation[2]))
         weight[3:5] += GRAVITY * compensation.moment_error
-    return np.abs(to_tool) @ box + weight
+    return np.abs(to_tool).dot(box) + weight

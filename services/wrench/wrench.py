@@ -76,7 +76,7 @@ class Wrench:
         rotation = rotation_matrix(sample.orientation)
         fault = self._watch.update(raw, sample.saturated, dt, settings.stuck_after)
         to_tool = transport(rotation, sample.tool_offset)
-        wrench = to_tool @ (raw - self.compensation.offset(rotation))
+        wrench = to_tool.dot(raw - self.compensation.offset(rotation))
         wrench = self._lowpass.filter(wrench, settings.lowpass_hz, dt)
         bound = error_bound(
             self.compensation,
