@@ -6,6 +6,7 @@ import gc
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -17,6 +18,9 @@ from shared.runner import Runner
 from shared.service import Service
 
 P = TypeVar("P", bound=Parameters)
+
+COLLECT_EVERY = 1.0
+"""Time [s] between two collections of garbage; a step leaves next to none."""
 
 
 class StopRequest:
@@ -73,6 +77,7 @@ class Loop:
         self._runner: Runner | None = None
         self._failure: Exception | None = None
         self._sleeps_until = 0
+        self._collects_at = 0.0
 
     def on_driver(self, behind: bool) -> None:
         """Work because of the driving topic, in the thread of the bus that brought it."""
@@ -82,6 +87,7 @@ class Loop:
                 return
             try:
                 runner.poll(behind)
+                self._collect()
                 sooner = runner.next_deadline() < self._sleeps_until
             except Exception as problem:
                 self._runner, self._failure, sooner = None, problem, True
@@ -91,14 +97,17 @@ class Loop:
     def run(self, runner: Runner) -> None:
         """Poll the runner whenever it is woken or due, until a stop is requested; brake once more whatever ends it."""
         clock = SteadyClock()
-        # What was built until here lives as long as the process: a collector that need not walk it stalls no tick.
+        # What was built until here lives as long as the process: a collector need not walk it. What comes later it
+        # walks between two steps instead of in the middle of one.
         gc.collect()
         gc.freeze()
+        gc.disable()
         self._runner = runner
         try:
             while not self._stop.requested:
                 with self._turn:
                     runner.poll()
+                    self._collect()
                     self._sleeps_until = runner.next_deadline()
                 left = seconds(self._sleeps_until - clock.now_ns())
                 if left > 0:
@@ -111,6 +120,14 @@ class Loop:
             with self._turn:
                 self._runner = None
                 runner.close()
+            gc.enable()
+
+    def _collect(self) -> None:
+        """Collect garbage if it is time: right after a step, when the next one is as far away as it can be."""
+        now = time.monotonic()
+        if now >= self._collects_at:
+            gc.collect()
+            self._collects_at = now + COLLECT_EVERY
 
 
 def _report(line: str) -> None:
