@@ -33,7 +33,7 @@ _FEWEST_SENT = 20
 """Of fewer messages a lost share says nothing; whoever sends so rarely is watched for silence alone."""
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Received(Generic[M]):
     """One accepted message with its number among the accepted ones, its arrival [ns, receiver's clock] and its delay
     [s] beyond the fastest one's.
@@ -198,6 +198,8 @@ class Inlet(Generic[M]):
     @property
     def refusals(self) -> str:
         """What was refused since the start, in words; empty if nothing."""
+        if not (self.rejected or self.out_of_order or self.second_session):
+            return ""
         cases = (
             (self.rejected, f"rejected ({self.last_rejection})"),
             (self.out_of_order, "out of sequence"),
@@ -213,16 +215,16 @@ class Inlet(Generic[M]):
             max_delay: declared bound [s] on the delay beyond the fastest message's.
         """
         last = self._latest
-        key, publisher = self.topic.key, self.topic.publisher
+        key = self.topic.key
         if last is None:
             if self.rejected:
                 return faults.refused(key, self.rejected, self.last_rejection)
-            return faults.never_seen(key, publisher)
-        age = seconds(now_ns - last.arrival_ns)
-        if age > self.age_limit:
+            return faults.never_seen(key, self.topic.publisher)
+        age, limit = seconds(now_ns - last.arrival_ns), self.age_limit
+        if age > limit:
             if self._rejected_since_accepted:
                 return faults.refused(key, self._rejected_since_accepted, self.last_rejection)
-            return faults.silent(key, publisher, age, self.age_limit)
+            return faults.silent(key, self.topic.publisher, age, limit)
         if last.delay > max_delay:
             return faults.delayed(key, last.delay, max_delay)
         if (share := self.loss()) > LOSS_LIMIT:

@@ -48,10 +48,9 @@ class QueryDesk:
 
     def serve(self) -> None:
         """Answer one request, so that however many there are they delay a step by no more than that."""
-        try:
-            query, payload, reply = self._waiting.get_nowait()
-        except queue.Empty:
+        if self._waiting.empty():
             return
+        query, payload, reply = self._waiting.get_nowait()
         try:
             request = decode_map(payload) if payload else {}
             if query == self._service.wiring.parameters:

@@ -24,6 +24,8 @@ STALL_PERIODS = 5
 LONGEST_DT = 0.1
 """Largest dt [s] that a step is told: what was missed is never caught up."""
 _NEVER = 2**62
+_REARM_AFTER_NS = nanoseconds(REARM_AFTER)
+_BRAKE_PERIOD_NS = nanoseconds(BRAKE_PERIOD)
 
 
 class Runner:
@@ -74,6 +76,7 @@ class Runner:
             inlet = self.inlets[topic.key] = Inlet(topic, clock)
             driven = (work or (lambda _: wake())) if topic == self._driver else None
             bus.subscribe(topic.key, inlet.offer, driven)
+        self._required = [self.inlets[topic.key] for topic in wiring.required]
         for query in (*wiring.queries, *((wiring.parameters,) if wiring.parameters else ())):
             bus.serve(query.key, self._desk.inbox(query))
         bus.alive(wiring.name)
@@ -90,7 +93,7 @@ class Runner:
             behind: the driver's newest message arrived while the last poll was still at work.
         """
         now = self._clock.now_ns()
-        if now - self.next_deadline() > nanoseconds(REARM_AFTER):
+        if now - self.next_deadline() > _REARM_AFTER_NS:
             # The whole process was stopped or starved: nobody watched the inputs meanwhile.
             self._arming.restart()
         if self._driver is None:
@@ -142,20 +145,18 @@ class Runner:
     def _input_fault(self, now: int) -> Fault | None:
         """The most fundamental fault of the inputs or the loop, after keeping account of the start-up."""
         wiring = self.service.wiring
-        present = [self.inlets[topic.key].fault(now, self.service.max_delay) for topic in wiring.required]
-        worst = min(
-            (fault for fault in present if fault is not None), key=lambda fault: fault.severity, default=None
-        )
+        worst: Fault | None = None
+        for inlet in self._required:
+            fault = inlet.fault(now, self.service.max_delay)
+            if fault is not None and (worst is None or fault.severity < worst.severity):
+                worst = fault
+            if (latest := inlet.latest) is not None:
+                key, session = inlet.topic.key, latest.header.session
+                if self._sessions.setdefault(key, session) != session:
+                    self._sessions[key] = session
+                    self._arming.restart()
         if worst is None:
             worst = self.timing.fault(now, wiring.overrun_share)
-        sessions = {
-            topic.key: latest.header.session
-            for topic in wiring.required
-            if (latest := self.inlets[topic.key].latest) is not None
-        }
-        if any(self._sessions.get(key, session) != session for key, session in sessions.items()):
-            self._arming.restart()
-        self._sessions = sessions
         return self._arming.judge(now, worst)
 
     def _call(self, now: int, fault: Fault | None) -> None:
@@ -174,7 +175,7 @@ class Runner:
             if output.payload is None:
                 # The stamp says how old the content is, not when it got away: a process that is stopped in the middle
                 # of a step must not send what it computed before as if it were fresh.
-                stamp = now - nanoseconds(output.late)
+                stamp = now - nanoseconds(output.late) if output.late else now
                 self.publish(output.topic, output.message, output.valid and fault is None, stamp)
             else:
                 self._bus.publish(output.topic.key, output.payload)
@@ -185,18 +186,19 @@ class Runner:
         if self._driver is None:
             return _NEVER
         if self.fault is not None:
-            return now + nanoseconds(BRAKE_PERIOD)
-        inlets = (self.inlets[topic.key] for topic in self.service.wiring.required)
-        deadlines = (
-            inlet.latest.arrival_ns + nanoseconds(inlet.age_limit) + 1
-            for inlet in inlets
-            if inlet.latest and inlet.age_limit < math.inf
-        )
-        return min(deadlines, default=_NEVER)
+            return now + _BRAKE_PERIOD_NS
+        deadline = _NEVER
+        for inlet in self._required:
+            if inlet.latest and (limit := inlet.age_limit) < math.inf:
+                deadline = min(deadline, inlet.latest.arrival_ns + nanoseconds(limit) + 1)
+        return deadline
 
     def _inputs(self, now: int) -> Inputs:
         readings = {}
+        refusals = {}
         for key, inlet in self.inlets.items():
+            if text := inlet.refusals:
+                refusals[key] = text
             latest = inlet.latest
             if latest is None:
                 continue
@@ -204,7 +206,7 @@ class Runner:
             self._seen[key] = latest.number
             age = seconds(now - latest.arrival_ns) + latest.delay
             readings[key] = Reading(latest.message, latest.header, age, new)
-        return Inputs(readings, {key: text for key, inlet in self.inlets.items() if (text := inlet.refusals)})
+        return Inputs(readings, refusals)
 
     def _tell(self, fault: Fault | None) -> None:
         kind = "" if fault is None else f"{fault.kind.value} {fault.key}"

@@ -15,7 +15,7 @@ from shared.topics import Query, Topic
 M = TypeVar("M", bound=Record)
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Output:
     """One message to publish.
 
@@ -57,7 +57,7 @@ class Wiring:
     overrun_share: float = 0.05
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Reading(Generic[M]):
     """An input as a step sees it: message, header, age [s], and whether this is the first step to see it."""
 
