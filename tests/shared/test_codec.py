@@ -13,8 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from shared.codec import MAP_CAP, Rejected, decode, decode_map, encode, encode_map
-from shared.fields import Kind, Number, Vector
-from shared.messages import FtSample
+from shared.fields import InvalidField, Kind, Number, Vector
+from shared.messages import ControlTarget, ExternalWrench, FtSample
 from shared.records import MapOf, Record, RecordOf
 from tests.shared.strategies import MESSAGES, any_plain, payload_map
 
@@ -63,6 +63,23 @@ def test_round_trip(message: type[Record], data: st.DataObject) -> None:
             np.testing.assert_allclose(again[name], value, rtol=1e-12)
         elif not isinstance(value, dict):  # nested quaternions are normalised
             assert again[name] == value
+
+
+@pytest.mark.parametrize("message", [FtSample, ControlTarget, ExternalWrench], ids=lambda one: one.__name__)
+@many
+@given(data=st.data())
+def test_fields_are_judged_together_as_each_alone(message: type[Record], data: st.DataObject) -> None:
+    sent = data.draw(payload_map(message))
+    name = data.draw(st.sampled_from([name for name, _, _ in message.kinds()]))
+    sent[name] = data.draw(st.just(sent[name]) | any_plain | st.lists(st.floats(), min_size=3, max_size=6))
+    kind = {name: kind for name, kind, _ in message.kinds()}[name]
+    try:
+        alone = kind.check(sent[name], name)
+    except InvalidField as problem:
+        assert rejection(message, sent) == str(problem)
+        return
+    _, received = decode(message, msgpack.packb(sent))
+    np.testing.assert_array_equal(getattr(received, name), alone)
 
 
 @every_message
