@@ -18,7 +18,11 @@ from benchmarks.contact.simulate import Result, simulate
 OVER = 1.0005
 """A peak counts as over the limit from here on: what the simulation's own rounding leaves open."""
 
-SCRIPTED = {"oblique spring": scripted.oblique_spring, "turning face": scripted.turning_face}
+SCRIPTED = {
+    "oblique spring": scripted.oblique_spring,
+    "turning face": scripted.turning_face,
+    "steady pull": scripted.steady_pull,
+}
 
 
 @dataclass(frozen=True)
@@ -159,6 +163,7 @@ def plan(seed: int, cases: int) -> list[Job]:
     every = max(1, round(2000 / cases))
     jobs += [Job(seed, "oblique spring", number) for number in range(0, 240, every)]
     jobs += [Job(seed, "turning face", number) for number in range(0, 40, every)]
+    jobs += [Job(seed, "steady pull", number) for number in range(0, 108, every)]
     return jobs
 
 

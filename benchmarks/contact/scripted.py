@@ -100,6 +100,38 @@ def turning_face(number: int) -> Case:
     return replace(case, declared=declared(100.0, (0.3, 0.3, 0.3), weight=20.0))
 
 
+_PULLED_AT = (
+    (_FORCE_LIMIT, np.zeros(3), np.array((1.0, 0.0, 0.0))),
+    (_CARRY_LIMIT, np.array((0.0, 0.8, 0.0)), np.array((0.0, 0.0, 1.0))),
+    (_CARRY_LIMIT, np.array((0.6, 0.3, 0.05)), np.array((0.25, -0.43, 0.87))),
+)
+_PULL_TIMINGS = ((1.0 / 30.0, 0.03, 0.0), (0.01, 0.02, 0.02), (0.004, 0.03, 0.0))
+
+
+def steady_pull(number: int) -> Case:
+    """A spring in every direction, as stiff as declared or softer, that is pulled steadily for 1.5 s and then held.
+
+    Number runs over three timings, declared exactly, three places (the tool itself, a lever across the axis with the
+    smallest limit, an oblique one), 500 and 2000 N/m, all of it, a half or a fifth really there, 0.1 and 0.2 m/s: 108
+    cases. As stiff as declared, at the lever and with nothing to spare in time, is the hardest for stability.
+    """
+    number, speed = number // 2, (0.1, 0.2)[number % 2]
+    number, share = number // 3, (1.0, 0.5, 0.2)[number % 3]
+    number, stiffness = number // 2, (500.0, 2000.0)[number % 2]
+    limit, arm, direction = _PULLED_AT[number % 3]
+    way = speed * 1.5 * direction
+    spring = Contact(arm, True, Spring(share * stiffness * np.eye(3), arm))
+    case = still("steady pull", (spring,), limit, (Target(0.0, np.zeros(3), np.eye(3)),), 3.2)
+    x, y, z = (np.abs(arm) + 0.01).tolist()
+    return replace(
+        case,
+        timing=timing(*_PULL_TIMINGS[number // 3 % 3]),
+        declared=declared(stiffness, (x, y, z), weight=1.0),
+        shift_times=np.array((0.0, 0.2, 1.7, case.quiet)),
+        shift=np.stack((np.zeros(3), np.zeros(3), way, way)),
+    )
+
+
 def wall(action: str, declared_stiffness: float) -> Case:
     """Presses a frictionless wall of 2000 N/m for 3 s, then slides along it or retreats, within 6 s."""
     into = np.array((0.1, 0.0, 0.0))

@@ -32,6 +32,7 @@ class Caps:
 
     Attributes:
         refusal: why the limits cannot be kept, or None.
+        errors: eps (6,) with a margin, see ``update``.
         start: theta = rho W (6,) with ``W = wbar - eps``.
         room: X = W - theta (6,).
         threshold: (6,) up to which a measured wrench makes nothing yield: theta, or the wall in the strict form.
@@ -44,7 +45,7 @@ class Caps:
     def __init__(self, reserve: float, yield_start: float) -> None:
         self._reserve, self._rho = reserve, yield_start
         self._limits: list[float] = []
-        self._errors = [0.0] * 6
+        self.errors = [0.0] * 6
         self._given: list[float] = []  # the bounds as they were when ``_errors`` was chosen
         self.refusal: str | None = None
         self.force = [0.0] * 3
@@ -59,14 +60,14 @@ class Caps:
         The margin lets the caps stay the same while the error bound varies with the attitude.
         """
         limits, errors = limit.tolist(), error_bound.tolist()
-        if limits == self._limits and (errors == self._given or all(map(_covers, self._errors, errors))):
+        if limits == self._limits and (errors == self._given or all(map(_covers, self.errors, errors))):
             return
         self._given = errors
         self.refusal = _refusal(limits, errors)
-        self._limits, self._errors = limits, [_MARGIN * error for error in errors]
+        self._limits, self.errors = limits, [_MARGIN * error for error in errors]
         if self.refusal is not None:
             return
-        error_bound = np.array(self._errors)
+        error_bound = np.array(self.errors)
         self.force = limits[:3]
         W = limit - error_bound
         room = (1.0 - self._rho) * W

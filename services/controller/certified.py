@@ -19,7 +19,7 @@ from services.controller.contact import StiffnessBound
 from services.controller.law import Law, LawInput, LawOutput
 from services.controller.parameters import ControllerParameters
 from services.controller.qp import CLOSED, TOLERANCE, UNBOUNDED, Qp, QpFailure, Timer, no_timer
-from services.controller.yielding import RoundedYield, StrictYield, Yielding, scaled_into
+from services.controller.yielding import RoundedYield, StrictYield, Yielding, YieldInput, scaled_into
 from shared.spatial import Array
 
 _GAMMA = 12
@@ -137,7 +137,10 @@ class CertifiedLaw(Law):
         w, caps = state.wrench.tolist(), self.caps
         y = None
         if not self._yielding.at_rest or any(map(operator.gt, map(abs, w), caps.threshold)):
-            y = self._yielding.step(w, caps, self.bound, self.box.speed, self.response_time, dt)
+            displacement = min(dt, self.parameters.period) * self.twist
+            y = self._yielding.step(
+                YieldInput(w, caps, self.bound, self.box.speed, displacement, self.response_time, dt)
+            )
         if y is None:
             self._y[:] = 0.0
             return False

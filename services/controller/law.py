@@ -78,6 +78,9 @@ class Law(ABC):
         parameters: of the controller.
         timer: steady nanoseconds, to measure the solver with.
         previous: the law that was in force so far, whose commands are still in flight.
+
+    Attributes:
+        twist: (6,) [m/s, rad/s] that was commanded last.
     """
 
     name: str
@@ -95,6 +98,7 @@ class Law(ABC):
             self.travel = previous.travel
             self.travel.configure(parameters.period, parameters.delay, parameters.lag)
         self._rest = np.zeros(6)
+        self.twist = self._rest
 
     @property
     @abstractmethod
@@ -128,6 +132,7 @@ class Law(ABC):
         """Account for a command of zero, ``dt`` [s] after the last call."""
         self.travel.advance(dt)
         self.travel.command(self._rest)
+        self.twist = self._rest
 
     @abstractmethod
     def _move(self, state: LawInput, error: Array, length: float, dt: float) -> LawOutput:
@@ -143,7 +148,7 @@ class Law(ABC):
             output = LawOutput(self._rest, self._rest, failure="the twist is not finite")
             twist = self._rest.copy()
         self.travel.command(twist)
-        output.twist = twist
+        self.twist = output.twist = twist
         if error is not None:
             rate = float(error.dot(twist)) + self.parameters.lyapunov_rate * output.lyapunov
             output.relaxation = max(0.0, rate)

@@ -10,9 +10,12 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from services.controller.caps import Caps
 from services.controller.contact import StiffnessBound
+from services.controller.softness import Softness, doubt
+from shared.spatial import Array
 
 _STOPPED = 1e-7
 """An integral slower than this [m/s, rad/s] has ended."""
@@ -23,7 +26,8 @@ _FORGET_TIME = 2.0
 
 Vector = Sequence[float]
 _NONE = (0.0,) * 6
-_UNLIMITED = (math.inf,) * 6
+_QUICKNESS = 1.5
+"""Gain of following a moving environment over what settles in D at the stiffness that the contact shows."""
 
 
 def scaled_into(twist: list[float], speed: Vector) -> list[float]:
@@ -35,32 +39,64 @@ def scaled_into(twist: list[float], speed: Vector) -> list[float]:
     return twist if factor == 1.0 else [factor * value for value in twist]
 
 
+def _unless_stopped(speed: float) -> float:
+    return speed if abs(speed) > _STOPPED else 0.0
+
+
 class _Integral:
     """Integral of a yielding velocity; lets a steady push be followed without a lasting excess."""
 
     def __init__(self) -> None:
         self.value = [0.0] * 6
 
-    def add(self, y: Vector, wrench: Vector, speed: Vector, response_time: float, dt: float) -> list[float]:
-        """``y`` (6,) plus its integral, which is carried on by ``dt`` [s]."""
-        gain = dt / (_INTEGRAL_TIME * response_time)
-        decay = math.exp(-dt / (_FORGET_TIME * response_time))
+    def add(self, y: Vector, state: YieldInput) -> list[float]:
+        """``y`` (6,) plus its integral, which is carried on."""
+        gain = state.dt / (_INTEGRAL_TIME * state.response_time)
+        decay = self._decay(state.response_time, state.dt)
         kept = self.value
         for i in range(6):
             value = kept[i] + gain * y[i]
-            if y[i] == 0.0 or value * wrench[i] < 0.0:
+            if y[i] == 0.0 or value * state.wrench[i] < 0.0:
                 value *= decay
-            kept[i] = value if abs(value) > _STOPPED else 0.0
-        self.value = scaled_into(kept, speed)
+            kept[i] = _unless_stopped(value)
+        self.value = scaled_into(kept, state.speed)
         return [own + past for own, past in zip(y, self.value, strict=True)]
 
-    def decay(self, response_time: float, dt: float) -> None:
+    def rest(self, response_time: float, dt: float) -> None:
         """Let ``dt`` [s] pass in which nothing yields."""
-        self.add(_NONE, _NONE, _UNLIMITED, response_time, dt)
+        decay = self._decay(response_time, dt)
+        self.value = [_unless_stopped(decay * value) for value in self.value]
+
+    @staticmethod
+    def _decay(response_time: float, dt: float) -> float:
+        return math.exp(-dt / (_FORGET_TIME * response_time))
 
     @property
     def at_rest(self) -> bool:
         return not any(self.value)
+
+
+@dataclass(slots=True)
+class YieldInput:
+    """What a form gives way to.
+
+    Attributes:
+        wrench: w (6,) [N, Nm].
+        caps: where the form begins, and the wall that no measured wrench passes at rest.
+        bound: Kbar.
+        speed: (6,) [m/s, rad/s] that the integral saturates at.
+        displacement: (6,) [m, rad] commanded since the last step.
+        response_time: D [s].
+        dt: [s] since the last step.
+    """
+
+    wrench: Vector
+    caps: Caps
+    bound: StiffnessBound
+    speed: Vector
+    displacement: Array
+    response_time: float
+    dt: float
 
 
 class Yielding(ABC):
@@ -81,29 +117,12 @@ class Yielding(ABC):
         return self._integral.at_rest
 
     @abstractmethod
-    def step(
-        self,
-        wrench: Vector,
-        caps: Caps,
-        bound: StiffnessBound,
-        speed: Vector,
-        response_time: float,
-        dt: float,
-    ) -> list[float] | None:
-        """Yielding velocity (6,) [m/s, rad/s], or None if there is none.
-
-        Args:
-            wrench: w (6,) [N, Nm].
-            caps: where this form begins, and the wall that no measured wrench passes at rest.
-            bound: Kbar.
-            speed: (6,) [m/s, rad/s] that the integral saturates at.
-            response_time: D [s].
-            dt: [s] since the last step.
-        """
+    def step(self, state: YieldInput) -> list[float] | None:
+        """Yielding velocity (6,) [m/s, rad/s], or None if there is none."""
 
     def brake(self, response_time: float, dt: float) -> None:
         """Let ``dt`` [s] pass at rest: what is left of the yielding must not move the tool after a long stop."""
-        self._integral.decay(response_time, dt)
+        self._integral.rest(response_time, dt)
 
 
 class StrictYield(Yielding):
@@ -115,27 +134,21 @@ class StrictYield(Yielding):
 
     moved = True
 
-    def step(
-        self,
-        wrench: Vector,
-        caps: Caps,
-        bound: StiffnessBound,
-        speed: Vector,
-        response_time: float,
-        dt: float,
-    ) -> list[float] | None:
-        y = down_the_gradient(wrench, caps.wall, bound.roots, bound, response_time)
+    def step(self, state: YieldInput) -> list[float] | None:
+        bound = state.bound
+        y = down_the_gradient(state.wrench, state.caps.wall, bound.roots, bound, state.response_time)
         if y is None and self._integral.at_rest:
             return None
-        return self._integral.add(y or _NONE, wrench, speed, response_time, dt)
+        return self._integral.add(y or _NONE, state)
 
 
 class RoundedYield(Yielding):
     """Retreat from the box of ``yield_start`` limits.
 
     At rest the distance is measured in the room left above the box, which is what the rounded caps share out. Once the
-    environment has moved it is measured in ``sqrt(Kbar_ii)``, in which no axis is much stiffer than another: that
-    follows faster. It stays so until the wrench is back in the box.
+    environment has moved it is measured in ``sqrt(Kbar_ii)``, in which no axis is much stiffer than another, and
+    answered according to the stiffness that the contact shows (``Softness``): that follows faster. It stays so until
+    the wrench is back in the box.
 
     Attributes:
         distance: h (6,), how far each axis is beyond its threshold, in units of the room left above it; V = |h|.
@@ -146,29 +159,45 @@ class RoundedYield(Yielding):
         super().__init__()
         self.distance = [0.0] * 6
         self.moved = False
+        self._softness = Softness()
 
     @property
     def at_rest(self) -> bool:
         """Whether nothing is left of what yielded before."""
         return self._integral.at_rest and not self.moved
 
-    def step(
-        self,
-        wrench: Vector,
-        caps: Caps,
-        bound: StiffnessBound,
-        speed: Vector,
-        response_time: float,
-        dt: float,
-    ) -> list[float] | None:
-        self.distance = [max(0.0, abs(wrench[i]) - caps.start[i]) / caps.room[i] for i in range(6)]
-        self.moved = self.moved or any(abs(wrench[i]) > caps.wall[i] for i in range(6))
+    def step(self, state: YieldInput) -> list[float] | None:
+        w, caps, bound = state.wrench, state.caps, state.bound
+        self.distance = [max(0.0, abs(w[i]) - caps.start[i]) / caps.room[i] for i in range(6)]
+        self.moved = self.moved or any(abs(w[i]) > caps.wall[i] for i in range(6))
         scale = bound.roots if self.moved else caps.room
-        y = down_the_gradient(wrench, caps.start, scale, bound, response_time)
+        y = down_the_gradient(w, caps.start, scale, bound, state.response_time)
         if y is None and self._integral.at_rest:
-            self.moved = False
+            if self.moved:
+                self.moved, self._softness = False, Softness()
             return None
-        return self._integral.add(y or _NONE, wrench, speed, response_time, dt)
+        if self.moved:
+            gain = _QUICKNESS / self._share(state)
+            y = [gain * value for value in y or _NONE]
+        return self._integral.add(y or _NONE, state)
+
+    def brake(self, response_time: float, dt: float) -> None:
+        super().brake(response_time, dt)
+        self._softness = Softness()
+
+    def _share(self, state: YieldInput) -> float:
+        """Share of the declared stiffness that the contact shows on the axes which are beyond the box."""
+        caps, bound = state.caps, state.bound
+        pressed = [i for i in range(6) if self.distance[i] > 0.0] or range(6)
+        hidden = doubt(
+            [caps.errors[i] for i in pressed],
+            [caps.room[i] for i in pressed],
+            [bound.roots[i] for i in pressed],
+        )
+        largest = largest_stiffness(bound, pressed, bound.roots)
+        return self._softness.step(
+            state.wrench, state.displacement, bound.roots, largest, hidden, state.response_time, state.dt
+        )
 
 
 def down_the_gradient(

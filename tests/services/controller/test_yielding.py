@@ -9,7 +9,14 @@ import pytest
 
 from services.controller.caps import Caps
 from services.controller.contact import ContactZone, StiffnessBound
-from services.controller.yielding import RoundedYield, StrictYield, Yielding, largest_stiffness, scaled_into
+from services.controller.yielding import (
+    RoundedYield,
+    StrictYield,
+    Yielding,
+    YieldInput,
+    largest_stiffness,
+    scaled_into,
+)
 from tests.services.controller.contacts import ERROR, LIMIT, jacobian, tangent
 
 D, DT = 0.05, 0.01
@@ -30,17 +37,23 @@ def caps(yield_start: float) -> Caps:
     return caps
 
 
+def state(
+    wrench: list[float], c: Caps, bound: StiffnessBound, speed: list[float] = SPEED, dt: float = DT
+) -> YieldInput:
+    return YieldInput(wrench, c, bound, speed, np.zeros(6), D, dt)
+
+
 def test_strict_form_rests_up_to_the_limit_and_its_error(bound: StiffnessBound) -> None:
     step = StrictYield().step
     for side in (-1, 1):
         wrench = (side * (LIMIT + ERROR)).tolist()
-        assert step(wrench, caps(1.0), bound, SPEED, D, DT) is None
+        assert step(state(wrench, caps(1.0), bound)) is None
 
 
 def test_strict_form_is_the_formula(bound: StiffnessBound) -> None:
     c = caps(1.0)
     wrench = np.array((12.0, -13.0, 5.0, 0.0, 3.5, 0.0))
-    y = np.array(StrictYield().step(wrench.tolist(), c, bound, [10.0] * 6, D, DT))
+    y = np.array(StrictYield().step(state(wrench.tolist(), c, bound, [10.0] * 6, DT)))
     K, wall = bound.matrix, np.array(c.wall)
     stiffness = largest_stiffness(bound, [0, 1, 4], bound.roots)
     for i in range(6):
@@ -52,11 +65,11 @@ def test_strict_form_is_the_formula(bound: StiffnessBound) -> None:
 def test_integral_grows_saturates_and_decays(bound: StiffnessBound) -> None:
     yielding, c = StrictYield(), caps(1.0)
     wrench = [11.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-    speeds = [yielding.step(wrench, c, bound, SPEED, D, DT)[0] for _ in range(3000)]
+    speeds = [yielding.step(state(wrench, c, bound))[0] for _ in range(3000)]
     assert speeds[100] > 2 * speeds[0] and max(speeds) <= SPEED[0] + speeds[0]
     rest = [0.0] * 6
     for _ in range(200):
-        after = yielding.step(rest, c, bound, SPEED, D, DT)
+        after = yielding.step(state(rest, c, bound))
     assert after is None
 
 
@@ -73,11 +86,11 @@ def exact(r: tuple, axes: list[int], room: np.ndarray) -> float:
 def test_a_push_is_forgotten_while_the_tool_rests(form: type[Yielding], bound: StiffnessBound) -> None:
     yielding, c = form(), caps(1.0 if form is StrictYield else 0.8)
     for _ in range(300):
-        yielding.step([9.0 if form is RoundedYield else 11.0, *[0.0] * 5], c, bound, SPEED, D, DT)
+        yielding.step(state([9.0 if form is RoundedYield else 11.0, *[0.0] * 5], c, bound))
     assert not yielding.at_rest
     for _ in range(40):
         yielding.brake(D, 0.05)
-    assert yielding.at_rest and yielding.step([0.0] * 6, c, bound, SPEED, D, DT) is None
+    assert yielding.at_rest and yielding.step(state([0.0] * 6, c, bound)) is None
 
 
 def test_largest_stiffness_is_the_eigenvalue_at_the_corner() -> None:
@@ -110,10 +123,10 @@ def test_no_contact_is_stiffer_than_the_largest_stiffness() -> None:
 def test_rounded_form_begins_at_its_threshold_and_follows_the_gradient(bound: StiffnessBound) -> None:
     c = caps(0.8)
     start, room = np.array(c.start), np.array(c.room)
-    assert RoundedYield().step((0.999 * start).tolist(), c, bound, SPEED, D, DT) is None
+    assert RoundedYield().step(state((0.999 * start).tolist(), c, bound)) is None
     wrench = start * np.array((1.1, -1.05, 0.5, 0.0, 0.0, 0.2))
     yielding = RoundedYield()
-    y = np.array(yielding.step(wrench.tolist(), c, bound, SPEED, D, 1e-12))
+    y = np.array(yielding.step(state(wrench.tolist(), c, bound, SPEED, 1e-12)))
     gradient = np.sign(wrench) * np.maximum(0.0, np.abs(wrench) - start) / room**2
     assert y / np.linalg.norm(y) == pytest.approx(gradient / np.linalg.norm(gradient), abs=1e-9)
 
@@ -129,7 +142,7 @@ def test_no_passive_contact_is_driven_further_out_of_the_box(yield_start: float)
     for _ in range(2000):
         wrench = LIMIT * rng.uniform(-1, 1, 6) * (1.0 if yield_start < 1.0 else 2.0)
         yielding = StrictYield() if yield_start == 1.0 else RoundedYield()
-        y = yielding.step(wrench.tolist(), c, bound, [1e9] * 6, D, 1e-12)
+        y = yielding.step(state(wrench.tolist(), c, bound, [1e9] * 6, 1e-12))
         if y is None:
             continue
         box = np.array(c.wall if yield_start == 1.0 else c.start)
@@ -149,7 +162,7 @@ def test_a_wrench_beyond_the_wall_proves_motion_until_it_is_back_in_the_box(boun
     c, yielding = caps(0.8), RoundedYield()
 
     def force(x: float) -> list[float] | None:
-        return yielding.step([x, 0.0, 0.0, 0.0, 0.0, 0.0], c, bound, SPEED, D, DT)
+        return yielding.step(state([x, 0.0, 0.0, 0.0, 0.0, 0.0], c, bound))
 
     assert c.start[0] < c.most[0] < c.wall[0] <= LIMIT[0] + 1.1 * ERROR[0]
     force(0.999 * c.wall[0])

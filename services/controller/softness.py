@@ -1,0 +1,118 @@
+"""How stiff the contact is that the tool is following, learnt from the tool's own motion.
+
+Only for giving way to an environment that has proven to move: there the declared stiffness is what no contact exceeds,
+and an answer that is right for it is too slow for a softer one. No row and no cap ever sees this estimate, since the
+next contact may be harder (docs/guarantee.md, "A moving environment").
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+
+import numpy as np
+
+from shared.spatial import Array
+
+FIRST_SHARE = 0.5
+"""Share of the declared stiffness that is assumed before anything was learnt."""
+_LEAST_SHARE = 0.1
+"""Softer contacts than this are followed as if they were this stiff."""
+_WINDOW = 2.5
+"""Length of the regression in response times: an answer has to be seen to act."""
+_ACTS_AFTER = 0.75
+"""Delay of the motion in response times: D is the longest one, and a command acts for a period around it."""
+_SAMPLES = 40
+"""So many samples the window holds at most; a quicker loop leaves some out."""
+_ERRORS, _ROOM = 1.0, 0.05
+"""Motion tells something if it can change the wrench by more than this many error bounds and share of the room."""
+_RISE, _FALL = 0.1, 0.5
+"""Time constants in response times: quicker to believe in a stiffer contact than in a softer one."""
+
+
+class Softness:
+    """Regression of the wrench on the displacement that was commanded, and on time.
+
+    Over the last 2.5 D, ``w(t) = w_0 + c t - K x(t)``: c is what the environment's motion adds, K the stiffness along
+    the tool's motion, one number in the scale in which the stiffest declared contact has ``largest``. Where the motion
+    is too small to tell it from errors, the estimate falls back to its first value.
+
+    Attributes:
+        share: of the declared stiffness, within [0.1, 1].
+    """
+
+    def __init__(self) -> None:
+        self.share = FIRST_SHARE
+        self._now = 0.0
+        self._position = np.zeros(6)
+        self._commanded: deque[tuple[float, Array]] = deque([(0.0, self._position)])
+        self._samples: deque[tuple[float, Array, Array]] = deque()
+
+    def step(
+        self,
+        wrench: Sequence[float],
+        displacement: Array,
+        scale: Sequence[float],
+        largest: float,
+        doubt: float,
+        response_time: float,
+        dt: float,
+    ) -> float:
+        """The share now.
+
+        Args:
+            wrench: w (6,) [N, Nm] measured.
+            displacement: (6,) [m, rad] that was commanded since the last step.
+            scale: x (6,) [sqrt(N/m), sqrt(Nm/rad)], roots of the declared stiffness.
+            largest: [1] eigenvalue of ``x^-1 K x^-1`` for the stiffest declared contact.
+            doubt: change of the wrench in this scale that tells nothing, see ``doubt``.
+            response_time: D [s].
+            dt: [s] since the last step.
+        """
+        self._now += dt
+        self._position = self._position + displacement
+        self._commanded.append((self._now, self._position))
+        window = _WINDOW * response_time
+        if not self._samples or self._now - self._samples[-1][0] >= window / _SAMPLES:
+            acted = self._acted(self._now - _ACTS_AFTER * response_time)
+            self._samples.append((self._now, np.array(wrench), acted))
+        while self._samples[0][0] < self._now - window:
+            self._samples.popleft()
+        shown = min(1.0, max(_LEAST_SHARE, self._regression(np.array(scale), largest, doubt)))
+        constant = (_RISE if shown > self.share else _FALL) * response_time
+        self.share += (shown - self.share) * (1.0 - math.exp(-dt / constant))
+        return self.share
+
+    def _acted(self, time: float) -> Array:
+        """Displacement (6,) [m, rad] that was commanded until ``time`` [s]."""
+        commanded = self._commanded
+        while len(commanded) > 2 and commanded[1][0] <= time:
+            commanded.popleft()
+        (start, before), (end, after) = commanded[0], commanded[1]
+        part = min(1.0, max(0.0, (time - start) / (end - start))) if end > start else 1.0
+        return before + part * (after - before)
+
+    def _regression(self, scale: Array, largest: float, doubt: float) -> float:
+        times, wrenches, positions = (np.array(column) for column in zip(*self._samples, strict=True))
+        count = len(times)
+        if count < 4:
+            return FIRST_SHARE
+        # What a constant and a steady drift explain is the environment's.
+        times = times - times.mean()
+        drift = times / math.sqrt(times.dot(times))
+        change, motion = wrenches / scale, positions * (largest * scale)
+        change, motion = change - change.mean(axis=0), motion - motion.mean(axis=0)
+        change, motion = change - np.outer(drift, drift @ change), motion - np.outer(drift, drift @ motion)
+        known = doubt * doubt
+        falls, moves = -np.vdot(change, motion) / count, np.vdot(motion, motion) / count
+        return float((FIRST_SHARE * known + falls) / (known + moves)) if known + moves > 0.0 else FIRST_SHARE
+
+
+def doubt(error_bound: Sequence[float], room: Sequence[float], scale: Sequence[float]) -> float:
+    """Change of the wrench [1] in ``scale`` that errors (n,) and a fraction of the room (n,) above the box hide."""
+    return _ERRORS * _norm(error_bound, scale) + _ROOM * _norm(room, scale)
+
+
+def _norm(values: Sequence[float], scale: Sequence[float]) -> float:
+    return math.hypot(*(value / unit for value, unit in zip(values, scale, strict=True)))

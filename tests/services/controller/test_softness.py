@@ -1,0 +1,65 @@
+"""Softness: the stiffness that a contact shows is found from the tool's own motion, and never beyond its bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from services.controller.softness import FIRST_SHARE, Softness, doubt
+
+D, DT = 0.05, 0.005
+SCALE = np.sqrt((800.0, 800.0, 800.0, 90.0, 90.0, 90.0))
+LARGEST = 2.0
+
+
+def learnt(share: float, drift: np.ndarray, noise: float = 0.0, steps: int = 200) -> float:
+    """A tool that swings by millimetres against a contact of ``share`` of the declared stiffness that drifts away."""
+    rng = np.random.default_rng(0)
+    direction = np.array((1.0, 0.0, 0.0, 0.0, 0.8, 0.0)) / SCALE
+    matrix = share * LARGEST * np.diag(SCALE**2)
+    softness, moved, before = Softness(), [np.zeros(6)], np.zeros(6)
+    hidden = doubt(noise * SCALE, np.zeros(6), SCALE)
+    for step in range(steps):
+        acted = moved[max(0, len(moved) - 1 - round(0.75 * D / DT))]
+        wrench = step * DT * drift - matrix @ acted + noise * SCALE * rng.uniform(-1.0, 1.0, 6)
+        softness.step(wrench.tolist(), moved[-1] - before, SCALE.tolist(), LARGEST, hidden, D, DT)
+        before = moved[-1]
+        moved.append(np.sin(step * DT / D) * 0.1 * direction)
+    return softness.share
+
+
+@pytest.mark.parametrize("share", [0.1, 0.2, 0.5, 1.0])
+def test_share_is_found_whatever_the_steady_drift(share: float) -> None:
+    drift = np.array((40.0, -20.0, 0.0, 3.0, 10.0, 0.0))
+    assert learnt(share, np.zeros(6)) == pytest.approx(share, rel=0.05)
+    assert learnt(share, drift) == pytest.approx(share, rel=0.05)
+
+
+@pytest.mark.parametrize(("share", "expected"), [(0.01, 0.1), (3.0, 1.0)])
+def test_share_stays_within_its_bounds(share: float, expected: float) -> None:
+    assert learnt(share, np.zeros(6)) == pytest.approx(expected, rel=1e-3)
+
+
+def test_motion_that_errors_hide_teaches_nothing() -> None:
+    assert learnt(0.1, np.zeros(6), noise=10.0) == pytest.approx(FIRST_SHARE, abs=0.05)
+    assert Softness().step([5.0] * 6, np.zeros(6), SCALE.tolist(), LARGEST, 1e-3, D, DT) == FIRST_SHARE
+
+
+def test_a_stiffer_contact_is_believed_sooner_than_a_softer_one() -> None:
+    for steps in (18, 20, 22):  # about two response times from the first motion
+        still_to_learn = (1.0 - learnt(1.0, np.zeros(6), steps=steps)) / 0.5
+        assert still_to_learn < 0.6 * (learnt(0.25, np.zeros(6), steps=steps) - 0.25) / 0.25
+
+
+@given(
+    st.lists(
+        st.tuples(st.floats(-1e3, 1e3), st.floats(-1.0, 1.0), st.floats(0.0, 0.2)), min_size=1, max_size=60
+    )
+)
+def test_any_history_gives_a_share_within_bounds(history: list[tuple[float, float, float]]) -> None:
+    softness = Softness()
+    for wrench, moved, dt in history:
+        share = softness.step([wrench] * 6, np.full(6, moved * dt), SCALE.tolist(), LARGEST, 0.1, D, dt)
+        assert 0.1 <= share <= 1.0
