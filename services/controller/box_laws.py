@@ -42,7 +42,7 @@ class BoxLaw(Law):
         qp.lower[:_GAMMA] = lower
         qp.upper[:_GAMMA] = np.where(upper - lower > CLOSED, upper, lower)
         # The last variable is (gamma - (lambda/2)|e|^2)/|e|, a speed: (e/|e|).v - it <= 0, it >= -(lambda/2)|e|.
-        qp.rows[0, :_GAMMA] = self._unit_error(error, length)
+        qp.rows[0, :_GAMMA] = self._inverse(length) * error
         qp.lower[_GAMMA] = -0.5 * self.parameters.lyapunov_rate * length
         qp.cost[_GAMMA] = self.parameters.relaxation_weight * length
         try:

@@ -24,8 +24,7 @@ from shared.spatial import Array
 
 _GAMMA = 12
 _LYAPUNOV = 12
-_SIDES = np.vstack((np.eye(6), -np.eye(6)))
-"""Row i is about w_i, row 6 + i about -w_i."""
+_ZERO = np.zeros((2, 12))
 
 
 class CertifiedLaw(Law):
@@ -52,23 +51,34 @@ class CertifiedLaw(Law):
         self._version = -1
         self._M = np.zeros((12, 12))
         self._scaled = np.zeros((12, 12))
-        # Rooms as speeds, of the next period and lasting (first axis), without and with the reserve (second): cap times
-        # per_force less room_matrix times [w; path], in one product.
+        # Rooms as speeds, of the next period and lasting (first axis), without and with the reserve (second): per_force
+        # times what the caps leave of [w; path], in one product with [w; path; 1].
+        self._rates = 1.0 / np.array((T, parameters.horizon)).reshape((2, 1, 1, 1))
+        self._largest = np.zeros((2, 1, 6))
         self._per_force = np.zeros((2, 2, 12))
-        self._room_matrix = np.zeros((48, 18))
-        self._load = np.zeros(18)
-        self._offset, self._rooms = np.zeros((2, 2, 12)), np.zeros((2, 2, 12))
-        self._flat_offset, self._flat_rooms = self._offset.ravel(), self._rooms.ravel()
+        self._room_matrix = np.zeros((48, 19))
+        self._load = np.ones(19)
+        self._path = self._load[6:18]
+        self._rooms = np.zeros((2, 2, 12))
+        self._flat_rooms = self._rooms.ravel()
         self._levels: Array | None = None  # those that the offset was made for
         self._tightest = 0.0
         self._y = np.zeros(6)
         self._y_speeds = np.zeros(12)
         self._now = np.zeros((2, 12))
-        self._none = np.zeros(12)
         # Views of arrays that are written in place.
+        flat, matrix = self._M.ravel(), self._room_matrix.reshape((2, 2, 12 * 19))
+        self._each_sense = self._M.reshape((2, 6, 2, 6))
+        self._along = flat[6:72:13], flat[72::13]  # row i by motion along +i, row 6 + i by motion along -i
+        self._of_force = matrix[..., : 6 * 19 : 20], matrix[..., 6 * 19 :: 20]  # row i and row 6 + i by w_i
+        matrix = self._room_matrix.reshape((2, 2, 12, 19))
+        self._of_path, self._offset = matrix[0, ..., 6:18], matrix[..., 18]
+        self._next, self._lasting = self._rooms
+        self._room, self._reserved = self._now
         self._slack, self._upper, self._right = self.qp.slack[:12], self.qp.upper[:12], self.qp.right[:12]
-        self._lyapunov_growing = self.qp.rows[_LYAPUNOV, :6]
-        self._lyapunov_falling = self.qp.rows[_LYAPUNOV, 6:12]
+        self._pull = self.qp.cost[:12]
+        self._lyapunov = self.qp.rows[_LYAPUNOV, :12].reshape((2, 6))
+        self._per_length = np.zeros((2, 1))
 
     @property
     def solve_us(self) -> float:
@@ -92,7 +102,7 @@ class CertifiedLaw(Law):
         try:
             speeds, failure = self._solve(error, length, yields), None
         except QpFailure as problem:
-            speeds, failure = self._none, self._recorded(problem)  # y alone needs no solver
+            speeds, failure = _ZERO[0], self._recorded(problem)  # y alone needs no solver
             self._slack[:] = 0.0
         v = speeds[6:] - speeds[:6]
         if yields:
@@ -115,21 +125,21 @@ class CertifiedLaw(Law):
         self._version = bound.version
         # Row i counts motion against its own axis with d_i = Kbar_ii, along it with low_i, all else with Kbar.
         M, K = self._M, bound.matrix
-        M[:6, :6] = M[6:, 6:] = K
-        M[:6, 6:] = K
-        np.fill_diagonal(M[:6, 6:], bound.low)
-        M[6:, :6] = M[:6, 6:]
-        # Both kinds of rows as speeds: a general row divided by its largest element, a reserve row by its only one.
-        per_travel = np.array((1.0 / M.max(axis=1), np.tile(1.0 / K.diagonal(), 2)))
-        self._per_force[0] = per_travel / self.parameters.period
-        self._per_force[1] = per_travel / self.parameters.horizon
-        rooms = self._room_matrix.reshape((2, 2, 12, 18))
-        np.multiply(self._per_force[..., None], _SIDES, rooms[..., :6])
-        np.multiply(
-            self._per_force[0, ..., None], M, rooms[0, ..., 6:]
-        )  # what is in flight stops no lasting speed
+        self._each_sense[:] = K[:, None]
+        for along in self._along:
+            along[:] = bound.low
+        # Both kinds of rows as speeds: a general row divided by its largest element (low_i <= Kbar_ii), a reserve row
+        # by its only one.
+        largest, per_force = self._largest, self._per_force
+        K.max(axis=1, out=largest[0, 0])
+        largest[1] = K.diagonal()
+        np.divide(self._rates, largest, out=per_force.reshape((2, 2, 2, 6)))
+        growing, falling = self._of_force
+        against = -per_force
+        growing[:], falling[:] = against[..., :6], per_force[..., 6:]
+        np.multiply(against[0][..., None], M, out=self._of_path)  # what is in flight stops no lasting speed
         self._levels = None
-        self._scaled = M * per_travel[0][:, None]
+        np.divide(M.reshape((2, 6, 12)), largest[0].T, out=self._scaled.reshape((2, 6, 12)))
         self.qp.rows[:12, :12] = self._scaled
 
     def _yield(self, state: LawInput, dt: float) -> bool:
@@ -179,32 +189,33 @@ class CertifiedLaw(Law):
         The same with ``T + d + tau`` for T and without s is the speed that can be kept up without being stopped by s
         later; taking the smaller of both only tightens the rows and makes an approach smooth.
         """
-        load, now, rooms = self._load, self._now, self._rooms
+        load, now = self._load, self._now
         load[:6] = state.wrench
-        load[6:] = self.travel.in_flight
+        path = self._path
+        path[:] = self.travel.in_flight
         levels = self.caps.levels
         if yields:
-            load[6:] += self.parameters.period * self._y_speeds
+            path += self.parameters.period * self._y_speeds
             if isinstance(self._yielding, RoundedYield):
                 levels = self.caps.levels_at(self._yielding.distance)
         if levels is not self._levels:
-            np.multiply(self._per_force, levels, self._offset)
+            np.multiply(self._per_force, levels, out=self._offset)
             self._levels = None if yields else levels
-        np.subtract(self._flat_offset, self._room_matrix.dot(load), self._flat_rooms)
-        np.minimum(rooms[0], rooms[1], out=now)
-        self._tightest = min(now[0].tolist())
-        np.maximum(now, 0.0, out=now)
+        self._room_matrix.dot(load, self._flat_rooms)
+        np.minimum(self._next, self._lasting, out=now)
+        self._tightest = min(self._room.tolist())
+        np.maximum(now, _ZERO, out=now)
         upper = self._upper
         if yields:  # the speed box leaves what y does not use; y against a direction frees none of it
             np.subtract(self.box.reach, self._y_speeds, upper)
-            np.minimum(now[1], upper, out=upper)
+            np.minimum(self._reserved, upper, out=upper)
         else:
-            np.minimum(now[1], self.box.reach, out=upper)
+            np.minimum(self._reserved, self.box.reach, out=upper)
         return self._tightest <= 0.0
 
     def _solve(self, error: Array, length: float, yields: bool) -> Array:
         """Speeds q, p (12,) for which every row holds, whatever the solver answers."""
-        qp, room, slack, upper = self.qp, self._now[0], self._slack, self._upper
+        qp, room, slack, upper = self.qp, self._room, self._slack, self._upper
         self._right[:] = room
         if min(upper.tolist()) < CLOSED:
             upper[upper < CLOSED] = 0.0
@@ -213,18 +224,19 @@ class CertifiedLaw(Law):
             # A closed row fixes every variable that it counts, and need not be passed.
             upper[(self._scaled[shut] > 0.0).any(axis=0)] = 0.0
             self._right[shut] = 1.0
-        unit = self._unit_error(error, length)
-        np.negative(unit, self._lyapunov_growing)
-        self._lyapunov_falling[:] = unit
+        per_length = self._per_length
+        per_length[1, 0] = inverse = self._inverse(length)
+        per_length[0, 0] = -inverse
+        np.multiply(per_length, error, out=self._lyapunov)
         # The last variable is (gamma - (lambda/2)|e|^2)/|e|, a speed: (e/|e|).v - it <= 0, it >= -(lambda/2)|e|.
         qp.lower[_GAMMA] = -0.5 * self.parameters.lyapunov_rate * length
         qp.cost[_GAMMA] = self.parameters.relaxation_weight * length
         if yields:  # |y + p - q|^2 and e.(y + p - q) with y given
-            np.multiply(self._y, -2.0, qp.cost[:6])
-            np.multiply(self._y, 2.0, qp.cost[6:12])
-            qp.right[_LYAPUNOV] = -float(unit.dot(self._y))
+            np.multiply(self._y, -2.0, self._pull[:6])
+            np.multiply(self._y, 2.0, self._pull[6:])
+            qp.right[_LYAPUNOV] = -inverse * float(error.dot(self._y))
         else:
-            qp.cost[:12] = 0.0
+            self._pull.fill(0.0)
             qp.right[_LYAPUNOV] = 0.0
         speeds = qp.solve()[:12]
         if shut is not None:
@@ -235,7 +247,7 @@ class CertifiedLaw(Law):
 
     def _shorten(self, speeds: Array) -> None:
         """Shorten q, p (12,) in place until the rows hold: the feasible set is star-shaped about 0, so they all do."""
-        room = self._now[0]
+        room = self._room
         used = np.dot(self._scaled, speeds)
         over = used > room
         factor = float((room[over] / used[over]).min(initial=1.0))
@@ -244,11 +256,15 @@ class CertifiedLaw(Law):
 
     def _active(self, state: LawInput, speeds: Array) -> tuple[Array, bool]:
         """Which limits bound the motion (6,), and whether one does so under load rather than as a precaution."""
-        left = np.minimum(self._slack, self._now[1] - speeds).tolist()
+        left = np.minimum(self._slack, self._reserved - speeds).tolist()
         if min(left) > TOLERANCE:
             return self._rest, False
-        active = [
-            (low <= TOLERANCE) - (high <= TOLERANCE) for low, high in zip(left[:6], left[6:], strict=True)
-        ]
+        active = [0.0] * 6
+        tight = [row for row, value in enumerate(left) if value <= TOLERANCE]
+        for row in tight:
+            if row < 6:
+                active[row] += 1.0
+            else:
+                active[row - 6] -= 1.0
         load = map(operator.mul, active, state.wrench.tolist())
-        return np.array(active, dtype=float), any(map(operator.gt, load, state.error_bound.tolist()))
+        return np.array(active), any(map(operator.gt, load, state.error_bound.tolist()))

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from operator import mul
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from services.controller.zone import ContactZone
 from shared.spatial import Array
@@ -20,59 +20,71 @@ TURN_QUANTUM = 0.006
 """Rotation [rad] that a bound is widened by beyond what is needed now, so that it can be used for some ticks."""
 
 _NEXT = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+_ONE, _R, _H, _N = 0, (1, 2, 3), (4, 5, 6), 7
+"""The lengths that a zone's bounds are made of: 1, the reach r, its distances h from the axes, its norm n."""
+_OFF_AXIS = np.array(((0.0, 1.0, 1.0), (1.0, 0.0, 1.0), (1.0, 1.0, 0.0), (1.0, 1.0, 1.0)))
+"""Takes the squares of r to those of h and n."""
+_SAME_AXIS = np.eye(3)
 
 
-def widened(reach: Sequence[float], turn: float) -> tuple[float, float, float]:
-    """Reach (3,) [m] that holds while everything turns by at most ``turn`` [rad] about each axis, in any order.
+def widened(reach: ArrayLike, turn: float) -> Array:
+    """Reach (3,) or (3, n) [m] that holds while everything turns by at most ``turn`` [rad] about each axis.
 
-    ``|Q| <= exp(turn (1 1' - I))`` element by element for any such rotation Q; this is that exponential, whose
-    eigenvalues are ``exp(2 turn)`` along 1 and ``exp(-turn)`` across it.
+    In any order: ``|Q| <= exp(turn (1 1' - I))`` element by element for any such rotation Q; this is that exponential,
+    whose eigenvalues are ``exp(2 turn)`` along 1 and ``exp(-turn)`` across it.
     """
     shrink = math.exp(-turn)
-    spread = (math.exp(2.0 * turn) - shrink) / 3.0 * (reach[0] + reach[1] + reach[2])
-    return (shrink * reach[0] + spread, shrink * reach[1] + spread, shrink * reach[2] + spread)
+    return (shrink * _SAME_AXIS + (math.exp(2.0 * turn) - shrink) / 3.0).dot(reach)
 
 
-def add_elastic(E: list[list[float]], low: list[float], zone: ContactZone, r: Sequence[float]) -> None:
-    """Add one zone with reach ``r`` (3,) in base axes to the bounds E (6, 6) and low (6,) [N/m, N/rad, Nm/rad].
+def elastic(zone: ContactZone) -> Array:
+    """One zone's bounds as quadratic forms (7, 6, 8, 8) of its lengths 1, r, h, n [N/m, N/rad, Nm/rad].
 
-    ``E_ij = kappa/2 max(m |J_i||J_j| + |J_i.J_j| + mu |J_i x J_j|)``, ``low_i = kappa/2 (m - 1)|J_i|^2``,
-    both attained at the corner of the reach because every term grows with |r|.
+    First E (6, 6), then low (6,): ``E_ij = kappa/2 max(m |J_i||J_j| + |J_i.J_j| + mu |J_i x J_j|)`` and
+    ``low_i = kappa/2 (m - 1)|J_i|^2``, attained at the corner of the reach because every term grows with |r|.
     """
     mu, m = zone.friction, zone.amplification
-    half = 0.5 * zone.stiffness
-    h = (math.hypot(r[1], r[2]), math.hypot(r[2], r[0]), math.hypot(r[0], r[1]))
-    n = math.sqrt(r[0] ** 2 + r[1] ** 2 + r[2] ** 2)
+    E = np.zeros((7, 6, 8, 8))
+    low = E[6]
     for i, j, k in _NEXT:
-        E[i][i] += half * (m + 1.0)
-        E[i + 3][i + 3] += half * (m + 1.0) * h[i] ** 2
-        low[i] += half * (m - 1.0)
-        low[i + 3] += half * (m - 1.0) * h[i] ** 2
-        own = half * (m + mu) * h[i]  # force i, rotation i
-        E[i][i + 3] += own
-        E[i + 3][i] += own
+        E[i, i, _ONE, _ONE] = E[i + 3, i + 3, _H[i], _H[i]] = m + 1.0
+        low[i, _ONE, _ONE] = low[i + 3, _H[i], _H[i]] = m - 1.0
+        E[i, i + 3, _ONE, _H[i]] = E[i + 3, i, _ONE, _H[i]] = m + mu  # force i, rotation i
         for a, b, c in ((i, j, k), (i, k, j)):
-            E[a][b] += half * (m + mu)
-            lever = half * (m * h[b] + r[c] + mu * r[a])  # force a, rotation b
-            E[a][b + 3] += lever
-            E[b + 3][a] += lever
-            E[a + 3][b + 3] += half * (m * h[a] * h[b] + r[a] * r[b] + mu * n * r[c])
+            E[a, b, _ONE, _ONE] = m + mu
+            for lever in (E[a, b + 3, _ONE], E[b + 3, a, _ONE]):  # force a, rotation b
+                lever[_H[b]], lever[_R[c]], lever[_R[a]] = m, 1.0, mu
+            torque = E[a + 3, b + 3]
+            torque[_H[a], _H[b]], torque[_R[a], _R[b]], torque[_N, _R[c]] = m, 1.0, mu
+    return 0.5 * zone.stiffness * E
 
 
-def geometric(force: Sequence[float], r: Sequence[float]) -> list[list[float]]:
+def _geometric() -> Array:
+    """G (6, 6) as a linear form (36, 9) of what ``geometric`` calculates."""
+    G = np.zeros((6, 6, 9))
+    for i, j, k in _NEXT:
+        G[i + 3, i + 3, 6 + i] = 1.0
+        for a, b, c in ((i, j, k), (i, k, j)):
+            G[a, b + 3, c] = G[b + 3, a, c] = G[a + 3, b + 3, 3 + c] = 1.0
+    return G.reshape((36, 9))
+
+
+_GEOMETRIC = _geometric()
+
+
+def geometric(force: Sequence[float], r: Sequence[float]) -> Array:
     """Bound G (6, 6) on what turning and shifting the arm of existing forces adds, whatever the stiffness.
+
+    ``X_ij = F_k``, ``P_ij = max(r_i F_j, r_j F_i)``, ``P_ii = r_j F_j + r_k F_k``.
 
     Args:
         force: (3,) [N] bound on the sum of all contacts' forces, axis by axis.
         r: (3,) [m] reach in base axes.
     """
-    G = [[0.0] * 6 for _ in range(6)]
-    for i, j, k in _NEXT:
-        G[i + 3][i + 3] = r[j] * force[j] + r[k] * force[k]
-        for a, b, c in ((i, j, k), (i, k, j)):
-            G[a][b + 3] = G[b + 3][a] = force[c]
-            G[a + 3][b + 3] = max(r[a] * force[b], r[b] * force[a])
-    return G
+    (x, y, z), (fx, fy, fz) = r, force
+    crossed = (max(y * fz, z * fy), max(z * fx, x * fz), max(x * fy, y * fx))
+    own = (y * fy + z * fz, z * fz + x * fx, x * fx + y * fy)
+    return _GEOMETRIC.dot((fx, fy, fz, *crossed, *own)).reshape((6, 6))
 
 
 class StiffnessBound:
@@ -83,7 +95,7 @@ class StiffnessBound:
         low: (6,), the most that moving along +i can raise w_i, per unit of travel.
         rows: Kbar as lists, for scalar arithmetic; ``roots`` (6,) are the square roots of its diagonal.
         geometric_rows: G (6, 6) as lists.
-        reaches: reach (3,) [m] of each zone in base axes, widened.
+        reaches: reach (3,) [m] of each zone in base axes, widened, as lists.
         version: counts the recomputations.
     """
 
@@ -91,12 +103,18 @@ class StiffnessBound:
         if not zones:
             raise ValueError("a stiffness bound needs at least one contact zone")
         self.zones = tuple(zones)
+        count = len(self.zones)
         self.matrix = np.zeros((6, 6))
         self.low = np.zeros(6)
         self.rows: list[list[float]] = []
         self.roots: list[float] = []
         self.geometric_rows: list[list[float]] = []
-        self.reaches: list[tuple[float, float, float]] = [(0.0, 0.0, 0.0)] * len(self.zones)
+        self.reaches: list[list[float]] = []
+        self._declared = np.array([zone.reach for zone in self.zones]).T.copy()
+        # Only the lengths depend on the attitude: all elements of all zones are one product with theirs.
+        self._elastic = np.stack([elastic(zone) for zone in self.zones], axis=2).reshape((42, 64 * count))
+        self._lengths = np.ones((count, 8))
+        self._products = np.zeros((count, 8, 8))
         self.version = 0
         self._rotation = np.full((3, 3), np.inf)
         self._turned = np.zeros((3, 3))
@@ -126,21 +144,17 @@ class StiffnessBound:
         self._rotation = rotation.copy()
         self._turn = turn + TURN_QUANTUM
         self._force = force
-        E = [[0.0] * 6 for _ in range(6)]
-        low = [0.0] * 6
-        rows = np.abs(rotation).tolist()
-        farthest = [0.0, 0.0, 0.0]
-        for index, zone in enumerate(self.zones):
-            r = widened([sum(map(mul, row, zone.reach)) for row in rows], self._turn)
-            self.reaches[index] = r
-            farthest = [max(pair) for pair in zip(farthest, r, strict=True)]
-            add_elastic(E, low, zone, r)
-        self.geometric_rows = geometric(force, farthest)
-        self.matrix[:] = E
-        self.matrix += self.geometric_rows
-        self.rows = self.matrix.tolist()
-        self.roots = [math.sqrt(self.rows[i][i]) for i in range(6)]
+        lengths = self._lengths
+        r = widened(np.abs(rotation).dot(self._declared), self._turn)
+        lengths[:, 1:4] = r.T
+        np.sqrt(_OFF_AXIS.dot(r * r).T, out=lengths[:, 4:])
+        np.multiply(lengths[:, :, None], lengths[:, None], out=self._products)
+        bounds = self._elastic.dot(self._products.ravel())
+        self.reaches = r.T.tolist()
+        G = geometric(force, [max(axis) for axis in r.tolist()])
+        np.add(bounds[:36].reshape((6, 6)), G, out=self.matrix)
         # G has no sign: moving along +i can raise w_i by G_ii too.
-        self.low[:] = low
-        self.low += [self.geometric_rows[i][i] for i in range(6)]
+        np.add(bounds[36:], G.diagonal(), out=self.low)
+        self.geometric_rows, self.rows = G.tolist(), self.matrix.tolist()
+        self.roots = np.sqrt(self.matrix.diagonal()).tolist()
         self.version += 1

@@ -154,6 +154,6 @@ class Law(ABC):
             output.relaxation = max(0.0, rate)
         return output
 
-    def _unit_error(self, error: Array, length: float) -> Array:
-        """``e/|e|``: the Lyapunov row divided by the error's norm, which makes it a speed like all other rows."""
-        return error / length if length > _AT_TARGET else self._rest
+    def _inverse(self, length: float) -> float:
+        """``1/|e|``: the Lyapunov row divided by the error's norm is a speed like all other rows."""
+        return 1.0 / length if length > _AT_TARGET else 0.0

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from services.controller.parameters import ControllerParameters
 from shared.spatial import Array
@@ -14,15 +14,15 @@ _TURN = 0.01
 """Rotation [rad] up to which the acceleration limits of the last attitude are kept, with a margin for it."""
 
 
-def rotated_limits(rotation: Array, limits: Sequence[float]) -> list[float]:
-    """Half-widths (3,) of a box in base axes that lies within the box ``limits`` (3,) of the tool axes.
+def rotated_limits(rotation: Array, limits: ArrayLike) -> Array:
+    """Half-widths (3,) or (3, n) of boxes in base axes that lie within the boxes ``limits`` of the tool axes.
 
     Continuous in the rotation and exact where the axes coincide; at worst (diagonal) smaller by sqrt(3).
     """
-    share = np.abs(rotation).tolist()  # share[j][i]: base axis j, tool axis i
-    box = [1.0 / sum(share[j][i] / limits[i] for i in range(3)) for j in range(3)]
-    fit = min(limits[i] / sum(share[j][i] * box[j] for j in range(3)) for i in range(3))
-    return [min(fit, 1.0) * width for width in box]
+    share = np.abs(rotation)
+    box = 1.0 / share.dot(1.0 / np.asarray(limits))
+    fit = (limits / share.T.dot(box)).min(axis=0)
+    return np.minimum(fit, 1.0) * box
 
 
 class SpeedBox:
@@ -49,8 +49,12 @@ class SpeedBox:
         self._linear, self._angular = parameters.max_linear, parameters.max_angular
         self.speed = [self._linear] * 3 + [self._angular] * 3
         self._speed = np.array(self.speed * 2)
-        self._limits = parameters.max_acceleration
-        self._payload = parameters.payload_mass
+        # Columns: linear, angular. The safety keeps the box inside the tool's for every attitude closer than _TURN.
+        limits = np.array(parameters.max_acceleration).reshape((2, 3)).T
+        margin = math.sqrt(3.0) * _TURN * limits.max(axis=0)
+        self._limits = limits / (1.0 + 2.0 * margin / limits.min(axis=0))
+        self._inertia = parameters.payload_mass * limits[:, 0]
+        self._inertial_margin = parameters.payload_mass * margin[0]
         self._period = parameters.period
         self._rotation = np.full((3, 3), np.inf)
         self.inertial_force = np.zeros(6)
@@ -74,17 +78,8 @@ class SpeedBox:
 
     def _turn_to(self, rotation: Array) -> None:
         self._rotation = rotation.copy()
-        for part in (slice(0, 3), slice(3, 6)):
-            limits = list(self._limits)[part]
-            # Keeps the box inside the tool's for every attitude closer than _TURN.
-            safety = 1.0 + 2.0 * math.sqrt(3.0) * _TURN * max(limits) / min(limits)
-            self._acceleration[part] = [width / safety for width in rotated_limits(rotation, limits)]
-        self._acceleration[6:] = self._acceleration[:6]
-        force = np.zeros(6)
-        force[:3] = self._payload * (
-            np.abs(rotation) @ self._limits[:3] + _TURN * max(self._limits[:3]) * math.sqrt(3.0)
-        )
-        self.inertial_force = force
+        self._acceleration.reshape((2, 2, 3))[:] = rotated_limits(rotation, self._limits).T
+        self.inertial_force[:3] = np.abs(rotation).dot(self._inertia) + self._inertial_margin
 
     def shortened(self, twist: Array) -> Array:
         """The twist, scaled as a whole until its linear and angular norms are within the limits.

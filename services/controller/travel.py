@@ -11,10 +11,11 @@ from shared.spatial import Array
 _ROWS = 512
 _MOST_SEGMENTS = 256
 _OLD_SEGMENTS = 4
-"""So many segments that have acted but for the lag are folded into the tail together, which is faster."""
+"""So many segments that have acted but for the lag are folded into one together, which is faster."""
 _FORGETTING = 1.01
 """Factor per command with which the shortest interval between commands is forgotten."""
 _NONE = np.zeros(12)
+_SENSES = np.vstack((-np.eye(6), np.eye(6)))
 _INSTANT = 1e-9
 """Times closer than this [s] are equal."""
 
@@ -44,14 +45,15 @@ class Travel:
         self.period, self.delay, self.lag = period, delay, lag
         self.in_flight = np.zeros(12)
         self.speeds = np.zeros(12)
-        # Segments of time, the newest last: what was sent in each, and the largest that may have acted instead.
+        # Segments of time, the newest last: what was sent in each, and the largest that may have acted instead. The
+        # row before the first one holds what the lag has left of all older ones when they were folded into it, of
+        # which the share ``_tail`` is still to act.
         self._sent = np.zeros((_ROWS, 12))
         self._acting = np.zeros((_ROWS, 12))
         self._durations: list[float] = []
-        self._first = 0
-        self._tail = np.zeros(12)
+        self._first = 1
+        self._tail = 0.0
         self._interval = 0.0  # [s] shortest recent one between two commands, 0 = not known yet
-        self._growing, self._falling = self.speeds[:6], self.speeds[6:]
 
     def configure(self, period: float, delay: float, lag: float) -> None:
         """Change the timing [s]; what is in flight is counted with the new one."""
@@ -65,21 +67,16 @@ class Travel:
             if dt <= self.period:
                 self._interval = min(dt, _FORGETTING * self._interval) if self._interval > 0.0 else dt
             else:  # the robot zeroes a command that is older than T
-                self.speeds[:] = 0.0
+                self.speeds.fill(0.0)
                 self._push(dt - held)
-            if self.lag > 0.0:
-                self._tail *= math.exp(-dt / self.lag)
-            else:
-                self._tail[:] = 0.0
+            self._tail *= math.exp(-dt / self.lag) if self.lag > 0.0 else 0.0
         self._weigh()
         return self.in_flight
 
     def command(self, twist: Array) -> None:
         """Record the twist (6,) [m/s, rad/s] that is sent now."""
         speeds, durations = self.speeds, self._durations
-        np.negative(twist, self._growing)
-        self._falling[:] = twist
-        np.maximum(speeds, _NONE, out=speeds)
+        np.maximum(_SENSES.dot(twist), _NONE, out=speeds)
         # It may act early, in place of earlier ones, by the spread of the delay: at most T less a regular interval.
         row = self._first + len(durations)
         early = self.period - self._interval
@@ -109,10 +106,10 @@ class Travel:
             self._merge_oldest()
 
     def _compact(self) -> int:
-        count = len(self._durations)
+        count = len(self._durations) + 1
         for rows in (self._sent, self._acting):
-            rows[:count] = rows[self._first : self._first + count].copy()
-        self._first = 0
+            rows[:count] = rows[self._first - 1 : self._first - 1 + count].copy()
+        self._first = 1
         return count
 
     def _merge_oldest(self) -> None:
@@ -120,6 +117,7 @@ class Travel:
         first = self._first
         for rows in (self._sent, self._acting):
             np.maximum(rows[first], rows[first + 1], out=rows[first + 1])
+        self._acting[first] = self._acting[first - 1]
         self._durations[1] += self._durations.pop(0)
         self._first += 1
 
@@ -127,21 +125,25 @@ class Travel:
         """``s = sum over segments of speed * integral of the share that is still to act``."""
         d, tau, durations = self.delay, self.lag, self._durations
         keep = max(d, self.period)
-        weights = []
-        age = passed = 0.0
-        old = 0
-        for duration in reversed(durations):
+        weights = [self._tail, *durations]
+        row, age, old = len(durations), 0.0, 0
+        while row and age + weights[row] <= d:  # still to act in full
+            age += weights[row]
+            row -= 1
+        passed = age
+        while row:
             if age >= keep:
                 old += 1
-            age += duration
+            age += weights[row]
             # Integral of the share from age 0: 1 up to d, exp(-(a - d)/tau) beyond.
-            until = age if age <= d else d + tau * (1.0 - math.exp((d - age) / tau)) if tau > 0.0 else d
-            weights.append(until - passed)
+            until = d + tau * (1.0 - math.exp((d - age) / tau)) if tau > 0.0 else d
+            weights[row] = until - passed
             passed = until
-        weights.reverse()
+            row -= 1
+        acting = self._acting[self._first - 1 : self._first + len(durations)]
         if old > _OLD_SEGMENTS:  # acted but for the lag, whose exponential the tail continues exactly
-            self._tail += np.dot(weights[:old], self._acting[self._first : self._first + old])
+            acting[old] = np.dot(weights[: old + 1], acting[: old + 1])
             del durations[:old], weights[:old]
-            self._first += old
-        np.dot(weights, self._acting[self._first : self._first + len(weights)], out=self.in_flight)
-        self.in_flight += self._tail
+            acting, self._first = acting[old:], self._first + old
+            weights[0] = self._tail = 1.0
+        np.array(weights).dot(acting, self.in_flight)
