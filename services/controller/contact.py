@@ -60,31 +60,32 @@ def elastic(zone: ContactZone) -> Array:
 
 
 def _geometric() -> Array:
-    """G (6, 6) as a linear form (36, 9) of what ``geometric`` calculates."""
-    G = np.zeros((6, 6, 9))
+    """G (6, 6), then its diagonal (6,), as linear forms (42, 9) of what ``arms`` calculates."""
+    G = np.zeros((7, 6, 9))
     for i, j, k in _NEXT:
-        G[i + 3, i + 3, 6 + i] = 1.0
+        G[i + 3, i + 3, 6 + i] = G[6, i + 3, 6 + i] = 1.0
         for a, b, c in ((i, j, k), (i, k, j)):
             G[a, b + 3, c] = G[b + 3, a, c] = G[a + 3, b + 3, 3 + c] = 1.0
-    return G.reshape((36, 9))
+    return G.reshape((42, 9))
 
 
 _GEOMETRIC = _geometric()
 
 
-def geometric(force: Sequence[float], r: Sequence[float]) -> Array:
-    """Bound G (6, 6) on what turning and shifting the arm of existing forces adds, whatever the stiffness.
+def arms(force: Sequence[float], r: Sequence[float]) -> tuple[float, ...]:
+    """What turning and shifting the arm of existing forces adds to the stiffness, whatever the contacts' own.
 
-    ``X_ij = F_k``, ``P_ij = max(r_i F_j, r_j F_i)``, ``P_ii = r_j F_j + r_k F_k``.
+    ``F_k`` (3,) [N]; ``max(r_i F_j, r_j F_i)`` and ``r_i F_i + r_j F_j`` (3,) [Nm], of the two axes other than k: the
+    elements ``X_ij``, ``P_ij`` and ``P_kk`` of ``G = [0, X; X, P]``.
 
     Args:
         force: (3,) [N] bound on the sum of all contacts' forces, axis by axis.
         r: (3,) [m] reach in base axes.
     """
     (x, y, z), (fx, fy, fz) = r, force
+    xx, yy, zz = x * fx, y * fy, z * fz
     crossed = (max(y * fz, z * fy), max(z * fx, x * fz), max(x * fy, y * fx))
-    own = (y * fy + z * fz, z * fz + x * fx, x * fx + y * fy)
-    return _GEOMETRIC.dot((fx, fy, fz, *crossed, *own)).reshape((6, 6))
+    return (fx, fy, fz, *crossed, yy + zz, zz + xx, xx + yy)
 
 
 class StiffnessBound:
@@ -92,9 +93,8 @@ class StiffnessBound:
 
     Attributes:
         matrix: Kbar (6, 6), bound on |dw_i/dx_j| [N/m, N/rad, Nm/m, Nm/rad].
-        low: (6,), the most that moving along +i can raise w_i, per unit of travel.
+        low: (6,), the most that moving along +i can raise w_i, per unit of travel; G has no sign, so it counts too.
         rows: Kbar as lists, for scalar arithmetic; ``roots`` (6,) are the square roots of its diagonal.
-        geometric_rows: G (6, 6) as lists.
         reaches: reach (3,) [m] of each zone in base axes, widened, as lists.
         version: counts the recomputations.
     """
@@ -104,23 +104,32 @@ class StiffnessBound:
             raise ValueError("a stiffness bound needs at least one contact zone")
         self.zones = tuple(zones)
         count = len(self.zones)
-        self.matrix = np.zeros((6, 6))
-        self.low = np.zeros(6)
+        self._bounds = np.zeros(42)
+        self.matrix, self.low = self._bounds[:36].reshape((6, 6)), self._bounds[36:]
         self.rows: list[list[float]] = []
         self.roots: list[float] = []
-        self.geometric_rows: list[list[float]] = []
         self.reaches: list[list[float]] = []
         self._declared = np.array([zone.reach for zone in self.zones]).T.copy()
-        # Only the lengths depend on the attitude: all elements of all zones are one product with theirs.
-        self._elastic = np.stack([elastic(zone) for zone in self.zones], axis=2).reshape((42, 64 * count))
-        self._lengths = np.ones((count, 8))
-        self._products = np.zeros((count, 8, 8))
+        # Only the lengths and the arms depend on the attitude: all elements are linear in the arms and in those
+        # products of two lengths that occur.
+        forms = np.stack([elastic(zone) for zone in self.zones], axis=-1).reshape((42, 64, count))
+        pairs, which = np.nonzero(forms.any(axis=0))
+        self._forms = np.hstack((forms[:, pairs, which], _GEOMETRIC))
+        self._pairs = count * (pairs // 8) + which, count * (pairs % 8) + which
+        self._lengths = np.ones((8, count))
+        self._terms = np.zeros(len(pairs) + 9)
+        self._products, self._arms = self._terms[:-9], self._terms[-9:]
         self.version = 0
         self._rotation = np.full((3, 3), np.inf)
         self._turned = np.zeros((3, 3))
         self._difference = self._turned.ravel()
         self._force: list[float] = []
         self._turn = -1.0
+
+    @property
+    def geometric_rows(self) -> list[list[float]]:
+        """G (6, 6) as lists."""
+        return _GEOMETRIC[:36].dot(self._arms).reshape((6, 6)).tolist()
 
     def update(self, rotation: Array, turn: float, force: list[float]) -> None:
         """Make the bound hold for a tool attitude and everything it can turn until the present command has acted.
@@ -146,15 +155,13 @@ class StiffnessBound:
         self._force = force
         lengths = self._lengths
         r = widened(np.abs(rotation).dot(self._declared), self._turn)
-        lengths[:, 1:4] = r.T
-        np.sqrt(_OFF_AXIS.dot(r * r).T, out=lengths[:, 4:])
-        np.multiply(lengths[:, :, None], lengths[:, None], out=self._products)
-        bounds = self._elastic.dot(self._products.ravel())
+        lengths[1:4] = r
+        np.sqrt(_OFF_AXIS.dot(r * r), out=lengths[4:])
+        first, second = self._pairs
+        np.multiply(lengths.take(first), lengths.take(second), out=self._products)
+        self._arms[:] = arms(force, [max(axis) for axis in r.tolist()])
+        self._forms.dot(self._terms, self._bounds)
         self.reaches = r.T.tolist()
-        G = geometric(force, [max(axis) for axis in r.tolist()])
-        np.add(bounds[:36].reshape((6, 6)), G, out=self.matrix)
-        # G has no sign: moving along +i can raise w_i by G_ii too.
-        np.add(bounds[36:], G.diagonal(), out=self.low)
-        self.geometric_rows, self.rows = G.tolist(), self.matrix.tolist()
+        self.rows = self.matrix.tolist()
         self.roots = np.sqrt(self.matrix.diagonal()).tolist()
         self.version += 1

@@ -21,7 +21,7 @@ def rotated_limits(rotation: Array, limits: ArrayLike) -> Array:
     """
     share = np.abs(rotation)
     box = 1.0 / share.dot(1.0 / np.asarray(limits))
-    fit = (limits / share.T.dot(box)).min(axis=0)
+    fit = np.minimum.reduce(limits / share.T.dot(box))
     return np.minimum(fit, 1.0) * box
 
 
@@ -72,14 +72,15 @@ class SpeedBox:
         if not difference.dot(difference) < _TURN**2:
             self._turn_to(rotation)
         reach = self.reach
-        np.multiply(self._acceleration, min(dt, self._period), reach)
+        np.multiply(self._acceleration, dt if dt < self._period else self._period, reach)
         np.add(reach, speeds, reach)
         np.minimum(reach, self._speed, out=reach)
 
     def _turn_to(self, rotation: Array) -> None:
         self._rotation = rotation.copy()
         self._acceleration.reshape((2, 2, 3))[:] = rotated_limits(rotation, self._limits).T
-        self.inertial_force[:3] = np.abs(rotation).dot(self._inertia) + self._inertial_margin
+        if self._inertial_margin > 0.0:
+            self.inertial_force[:3] = np.abs(rotation).dot(self._inertia) + self._inertial_margin
 
     def shortened(self, twist: Array) -> Array:
         """The twist, scaled as a whole until its linear and angular norms are within the limits.

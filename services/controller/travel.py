@@ -15,7 +15,8 @@ _OLD_SEGMENTS = 4
 _FORGETTING = 1.01
 """Factor per command with which the shortest interval between commands is forgotten."""
 _NONE = np.zeros(12)
-_SENSES = np.vstack((-np.eye(6), np.eye(6)))
+SENSES = np.vstack((-np.eye(6), np.eye(6)))
+"""(12, 6), takes a motion's elements to the twelve directions; the negative ones are its motion the other way."""
 _INSTANT = 1e-9
 """Times closer than this [s] are equal."""
 
@@ -62,13 +63,13 @@ class Travel:
     def advance(self, dt: float) -> Array:
         """Let ``dt`` [s] pass since the last command; returns the travel in flight (12,), owned by this object."""
         if dt > 0.0:
-            held = min(dt, self.period)
-            self._push(held)
             if dt <= self.period:
+                self._push(dt)
                 self._interval = min(dt, _FORGETTING * self._interval) if self._interval > 0.0 else dt
             else:  # the robot zeroes a command that is older than T
+                self._push(self.period)
                 self.speeds.fill(0.0)
-                self._push(dt - held)
+                self._push(dt - self.period)
             self._tail *= math.exp(-dt / self.lag) if self.lag > 0.0 else 0.0
         self._weigh()
         return self.in_flight
@@ -76,7 +77,7 @@ class Travel:
     def command(self, twist: Array) -> None:
         """Record the twist (6,) [m/s, rad/s] that is sent now."""
         speeds, durations = self.speeds, self._durations
-        np.maximum(_SENSES.dot(twist), _NONE, out=speeds)
+        np.maximum(SENSES.dot(twist), _NONE, out=speeds)
         # It may act early, in place of earlier ones, by the spread of the delay: at most T less a regular interval.
         row = self._first + len(durations)
         early = self.period - self._interval
@@ -124,7 +125,7 @@ class Travel:
     def _weigh(self) -> None:
         """``s = sum over segments of speed * integral of the share that is still to act``."""
         d, tau, durations = self.delay, self.lag, self._durations
-        keep = max(d, self.period)
+        keep = d if d > self.period else self.period
         weights = [self._tail, *durations]
         row, age, old = len(durations), 0.0, 0
         while row and age + weights[row] <= d:  # still to act in full
