@@ -8,7 +8,7 @@ import numpy as np
 
 from services.controller.law import Law, LawInput, LawOutput
 from services.controller.parameters import ControllerParameters
-from services.controller.qp import CLOSED, TOLERANCE, UNBOUNDED, Qp, QpFailure, Timer, no_timer
+from services.controller.qp import CLOSED, UNBOUNDED, Qp, QpFailure, Timer, no_timer
 from shared.spatial import Array
 
 _GAMMA = 6
@@ -52,8 +52,10 @@ class BoxLaw(Law):
             v = np.minimum(np.maximum(0.0, lower), upper)
             failure = self._recorded(problem)
         # The lower bound of v_i keeps w_i below its upper limit.
-        active = np.subtract(v < own_lower + TOLERANCE, v > own_upper - TOLERANCE, dtype=float)
-        return LawOutput(v, active, yielding=bool(np.count_nonzero(active)), failure=failure)
+        excess = np.concatenate((own_lower - v, v - own_upper))
+        output = LawOutput(v, excess, failure=failure)
+        output.retreats = bool(output.active.any())
+        return output
 
 
 class PaperLaw(BoxLaw):

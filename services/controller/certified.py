@@ -18,7 +18,8 @@ from services.controller.caps import Caps
 from services.controller.contact import StiffnessBound
 from services.controller.law import Law, LawInput, LawOutput
 from services.controller.parameters import ControllerParameters
-from services.controller.qp import CLOSED, TOLERANCE, UNBOUNDED, Qp, QpFailure, Timer, no_timer
+from services.controller.qp import CLOSED, UNBOUNDED, Qp, QpFailure, Timer, no_timer
+from services.controller.travel import SENSES
 from services.controller.yielding import RoundedYield, StrictYield, Yielding, YieldInput, scaled_into
 from shared.spatial import Array
 
@@ -75,10 +76,9 @@ class CertifiedLaw(Law):
         self._of_path, self._offset = matrix[0, ..., 6:18], matrix[..., 18]
         self._next, self._lasting = self._rooms
         self._room, self._reserved = self._now
-        self._slack, self._upper, self._right = self.qp.slack[:12], self.qp.upper[:12], self.qp.right[:12]
+        self._excess, self._upper, self._right = self.qp.excess[:12], self.qp.upper[:12], self.qp.right[:12]
         self._pull = self.qp.cost[:12]
-        self._lyapunov = self.qp.rows[_LYAPUNOV, :12].reshape((2, 6))
-        self._per_length = np.zeros((2, 1))
+        self._lyapunov = self.qp.rows[_LYAPUNOV, :12]
 
     @property
     def solve_us(self) -> float:
@@ -91,24 +91,24 @@ class CertifiedLaw(Law):
     def _move(self, state: LawInput, error: Array, length: float, dt: float) -> LawOutput:
         self.caps.update(state.limit, state.error_bound + self.box.inertial_force)
         if self.caps.refusal is not None:
-            return LawOutput(self._rest, self._rest, failure=self.caps.refusal)
+            return LawOutput(self._rest, failure=self.caps.refusal)
         self._update_bound(state)
         yields = self._yield(state, dt)
         closed = self._rows(state, yields)
         y = self._y
         if yields and self.rounded and closed:
             # Nothing but the retreat may move while a row has no room.
-            return LawOutput(y, np.sign(y), yielding=True)
+            return LawOutput(y, np.where(np.concatenate((y, -y)) > 0.0, 0.0, -np.inf), retreats=True)
         try:
             speeds, failure = self._solve(error, length, yields), None
         except QpFailure as problem:
             speeds, failure = _ZERO[0], self._recorded(problem)  # y alone needs no solver
-            self._slack[:] = 0.0
+            self._excess.fill(0.0)
         v = speeds[6:] - speeds[:6]
         if yields:
             v += y
-        active, pressed = self._active(state, speeds)
-        return LawOutput(v, active, yielding=yields or pressed, failure=failure)
+        excess = np.maximum(self._excess, speeds - self._reserved)
+        return LawOutput(v, excess, yields, failure, state)
 
     def _update_bound(self, state: LawInput) -> None:
         """Kbar for this attitude, and the rows' matrix ``M = [Kbar, L; L, Kbar]``."""
@@ -131,8 +131,7 @@ class CertifiedLaw(Law):
         # Both kinds of rows as speeds: a general row divided by its largest element (low_i <= Kbar_ii), a reserve row
         # by its only one.
         largest, per_force = self._largest, self._per_force
-        K.max(axis=1, out=largest[0, 0])
-        largest[1] = K.diagonal()
+        largest[0], largest[1] = [max(row) for row in bound.rows], K.diagonal()
         np.divide(self._rates, largest, out=per_force.reshape((2, 2, 2, 6)))
         growing, falling = self._of_force
         against = -per_force
@@ -215,7 +214,7 @@ class CertifiedLaw(Law):
 
     def _solve(self, error: Array, length: float, yields: bool) -> Array:
         """Speeds q, p (12,) for which every row holds, whatever the solver answers."""
-        qp, room, slack, upper = self.qp, self._room, self._slack, self._upper
+        qp, room, upper = self.qp, self._room, self._upper
         self._right[:] = room
         if min(upper.tolist()) < CLOSED:
             upper[upper < CLOSED] = 0.0
@@ -224,10 +223,8 @@ class CertifiedLaw(Law):
             # A closed row fixes every variable that it counts, and need not be passed.
             upper[(self._scaled[shut] > 0.0).any(axis=0)] = 0.0
             self._right[shut] = 1.0
-        per_length = self._per_length
-        per_length[1, 0] = inverse = self._inverse(length)
-        per_length[0, 0] = -inverse
-        np.multiply(per_length, error, out=self._lyapunov)
+        inverse = self._inverse(length)
+        np.multiply(SENSES.dot(error), inverse, self._lyapunov)
         # The last variable is (gamma - (lambda/2)|e|^2)/|e|, a speed: (e/|e|).v - it <= 0, it >= -(lambda/2)|e|.
         qp.lower[_GAMMA] = -0.5 * self.parameters.lyapunov_rate * length
         qp.cost[_GAMMA] = self.parameters.relaxation_weight * length
@@ -240,8 +237,8 @@ class CertifiedLaw(Law):
             qp.right[_LYAPUNOV] = 0.0
         speeds = qp.solve()[:12]
         if shut is not None:
-            slack[shut] = room[shut]
-        if qp.least_slack < 0.0:
+            self._excess[shut] = -room[shut]
+        if qp.largest_excess > 0.0:
             self._shorten(speeds)
         return speeds
 
@@ -252,19 +249,4 @@ class CertifiedLaw(Law):
         over = used > room
         factor = float((room[over] / used[over]).min(initial=1.0))
         speeds *= factor
-        np.subtract(room, factor * used, out=self._slack)
-
-    def _active(self, state: LawInput, speeds: Array) -> tuple[Array, bool]:
-        """Which limits bound the motion (6,), and whether one does so under load rather than as a precaution."""
-        left = np.minimum(self._slack, self._reserved - speeds).tolist()
-        if min(left) > TOLERANCE:
-            return self._rest, False
-        active = [0.0] * 6
-        tight = [row for row, value in enumerate(left) if value <= TOLERANCE]
-        for row in tight:
-            if row < 6:
-                active[row] += 1.0
-            else:
-                active[row - 6] -= 1.0
-        load = map(operator.mul, active, state.wrench.tolist())
-        return np.array(active), any(map(operator.gt, load, state.error_bound.tolist()))
+        np.subtract(factor * used, room, out=self._excess)

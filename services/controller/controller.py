@@ -200,7 +200,7 @@ class Controller:
 
     def _rest(self, state: str, reason: str, dt: float) -> list[Output]:
         self.law.brake(dt)
-        return self._outputs(state, reason, LawOutput(_ZERO, _ZERO))
+        return self._outputs(state, reason, LawOutput(_ZERO))
 
     def _outputs(self, state: str, reason: str, output: LawOutput) -> list[Output]:
         twist = output.twist

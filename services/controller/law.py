@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from services.controller.parameters import ControllerParameters
-from services.controller.qp import QpFailure, Timer, no_timer
+from services.controller.qp import TOLERANCE, QpFailure, Timer, no_timer
 from services.controller.speed import SpeedBox
 from services.controller.travel import Travel
 from shared.spatial import Array, pose_error
@@ -23,6 +23,8 @@ _ABSURD = 1e150
 """A number of this size, or its square, cannot be calculated with."""
 _AT_TARGET = 1e-9
 """Pose error [m, rad] below which the target is reached and the Lyapunov row says nothing."""
+_ZERO = np.zeros(6)
+_UNBOUND = np.full(12, -np.inf)
 
 
 @dataclass(slots=True)
@@ -52,23 +54,46 @@ class LawInput:
 
 @dataclass(slots=True)
 class LawOutput:
-    """What a tick decided.
+    """What a tick decided; what is only for the status is worked out when it is asked for, after the command.
 
     Attributes:
         twist: v (6,) [m/s, rad/s] to command.
-        active: (6,) 1 where the upper limit of the wrench's axis bounds the motion, -1 where the lower one does.
-        relaxation: gamma, by how much the Lyapunov condition is relaxed.
-        lyapunov: V = |e|^2 / 2.
-        yielding: the motion gives way to a wrench.
+        excess: (12,) [m/s, rad/s], 0 where a limit bounds the motion, negative where it leaves room for more; row i for
+            the upper limit of w_i, row 6 + i for the lower one.
+        retreats: the motion gives way to a wrench, whatever the target wants.
         failure: why the tick braked instead, or None.
+        state: what it was decided for.
+        error: e (6,) [m, rad] of the pose.
+        lyapunov: V = |e|^2 / 2.
+        lyapunov_rate: lambda [1/s].
     """
 
     twist: Array
-    active: Array
-    relaxation: float = 0.0
-    lyapunov: float = 0.0
-    yielding: bool = False
+    excess: Array = field(default_factory=lambda: _UNBOUND)
+    retreats: bool = False
     failure: str | None = None
+    state: LawInput | None = None
+    error: Array = field(default_factory=lambda: _ZERO)
+    lyapunov: float = 0.0
+    lyapunov_rate: float = 0.0
+
+    @property
+    def active(self) -> Array:
+        """(6,) 1 where the upper limit of the wrench's axis bounds the motion, -1 where the lower one does."""
+        bounds = self.excess >= -TOLERANCE
+        return np.subtract(bounds[:6], bounds[6:], dtype=float)
+
+    @property
+    def yielding(self) -> bool:
+        """It gives way to a wrench, or a limit bounds it under load rather than as a precaution."""
+        if self.retreats or self.state is None:
+            return self.retreats
+        return bool((self.active * self.state.wrench > self.state.error_bound).any())
+
+    @property
+    def relaxation(self) -> float:
+        """gamma, by how much the Lyapunov condition is relaxed."""
+        return max(0.0, float(self.error.dot(self.twist)) + self.lyapunov_rate * self.lyapunov)
 
 
 class Law(ABC):
@@ -122,11 +147,12 @@ class Law(ABC):
             *state.nominal.tolist(),
         )
         if not size + square < _ABSURD:  # nor if it is not a number
-            return self._finish(LawOutput(self._rest, self._rest, failure="an input is not finite"))
+            return self._finish(LawOutput(self._rest, failure="an input is not finite"))
         self.box.update(state.rotation, self.travel.speeds, dt)
         output = self._move(state, error, math.sqrt(square), dt)
-        output.lyapunov = 0.5 * square
-        return self._finish(output, error)
+        output.error, output.lyapunov = error, 0.5 * square
+        output.lyapunov_rate = self.parameters.lyapunov_rate
+        return self._finish(output)
 
     def brake(self, dt: float) -> None:
         """Account for a command of zero, ``dt`` [s] after the last call."""
@@ -142,16 +168,13 @@ class Law(ABC):
         self.last_failure = {"reason": failure.reason, **failure.problem}
         return failure.reason
 
-    def _finish(self, output: LawOutput, error: Array | None = None) -> LawOutput:
+    def _finish(self, output: LawOutput) -> LawOutput:
         twist = self.box.shortened(output.twist)
-        if not math.isfinite(float(twist.dot(twist))):
-            output = LawOutput(self._rest, self._rest, failure="the twist is not finite")
+        if not math.isfinite(twist.dot(twist)):
+            output = LawOutput(self._rest, failure="the twist is not finite")
             twist = self._rest.copy()
         self.travel.command(twist)
         self.twist = output.twist = twist
-        if error is not None:
-            rate = float(error.dot(twist)) + self.parameters.lyapunov_rate * output.lyapunov
-            output.relaxation = max(0.0, rate)
         return output
 
     def _inverse(self, length: float) -> float:

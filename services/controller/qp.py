@@ -16,6 +16,7 @@ TOLERANCE = 1e-6
 """Largest violation [m/s, rad/s] of a row or bound that is taken for rounding."""
 CLOSED = 1e-7
 """Room [m/s, rad/s] below which a variable is fixed: in a thinner gap the solver's iterations multiply."""
+_SOLVED = piqp.PIQP_SOLVED
 MOST_ITERATIONS = 60
 """The problems need 8 to 20."""
 
@@ -58,9 +59,13 @@ class Qp:
         self, weight: Array, rows: int, timer: Timer = no_timer, time_limit: float = math.inf
     ) -> None:
         n, m = len(weight), rows
-        self._data = np.zeros(n + m + 2 * n + m * n)
-        self.cost, self.right, self.lower, self.upper, flat = np.split(self._data, np.cumsum((n, m, n, n)))
-        self.rows = flat.reshape((m, n), order="F")
+        self._data = np.zeros(n + 2 * n + m * n + m)
+        self.cost, self.lower, self.upper, flat = np.split(self._data, (n, 2 * n, 3 * n))
+        # The right-hand side is one column more of the rows: both are held against [x; -1] at once.
+        self._rows_and_right = flat.reshape((m, n + 1), order="F")
+        self.rows, self.right = self._rows_and_right[:, :n], self._rows_and_right[:, n]
+        self._answer = np.full(n + 1, -1.0)
+        self._inside = self._answer[:n]
         self.upper[:] = UNBOUNDED
         self.time_limit = time_limit
         self.solve_us = 0.0
@@ -68,8 +73,8 @@ class Qp:
         self.weight = weight
         self._quadratic = np.asfortranarray(np.diag(2.0 * np.asarray(weight)))
         self._unbounded_below = np.full(m, -UNBOUNDED)
-        self.slack = np.zeros(m)
-        self.least_slack = 0.0
+        self.excess = np.zeros(m)
+        self.largest_excess = 0.0
         self._solver = self.new_solver()
 
     def new_solver(self) -> piqp.DenseSolver:
@@ -95,7 +100,9 @@ class Qp:
         return solver
 
     def solve(self) -> Array:
-        """The minimiser (n,), exactly within the bounds; ``slack`` (m,) is what it leaves of each row.
+        """The minimiser (n,), exactly within the bounds, in an array of this object's.
+
+        ``excess`` (m,) is ``rows x - right``, ``largest_excess`` its largest element.
 
         Raises:
             QpFailure: non-finite data, not solved, too slow, or an answer that breaks a constraint.
@@ -107,22 +114,22 @@ class Qp:
         status, x = self._minimise()
         elapsed = (self._timer() - began) * 1e-9
         self.solve_us = elapsed * 1e6
-        if status != piqp.PIQP_SOLVED:
+        if status != _SOLVED:
             raise self._failure(f"the solver stopped with {getattr(status, 'name', status)}", x)
         if elapsed > self.time_limit:
             raise self._failure(
                 f"it took {elapsed * 1e3:.1f} ms, allowed are {self.time_limit * 1e3:.1f} ms", x
             )
-        inside = np.minimum(np.maximum(x, self.lower), self.upper)
-        slack = self.slack
-        np.subtract(self.right, self.rows.dot(inside), slack)
+        inside = self._inside
+        np.minimum(np.maximum(x, self.lower), self.upper, out=inside)
+        self._rows_and_right.dot(self._answer, self.excess)
+        self.largest_excess = max(self.excess.tolist())
         outside = inside - x
-        self.least_slack = min(slack.tolist())
         distance = math.sqrt(outside.dot(outside))
         if not distance < math.inf:  # what is not a number is the same distance from itself
             raise self._failure("the solver's answer is not finite", x)
-        worst = max(-self.least_slack, distance)
-        if worst > TOLERANCE:
+        if self.largest_excess > TOLERANCE or distance > TOLERANCE:
+            worst = max(self.largest_excess, distance)
             raise self._failure(f"the solver's answer breaks a constraint by {worst:.1e}", x)
         return inside
 
