@@ -89,7 +89,10 @@ class CertifiedLaw(Law):
         self._yielding.brake(self.response_time, dt)
 
     def _move(self, state: LawInput, error: Array, length: float, dt: float) -> LawOutput:
-        self.caps.update(state.limit, state.error_bound + self.box.inertial_force)
+        error_bound = state.error_bound
+        if self.box.payload:
+            error_bound = error_bound + self.box.inertial_force
+        self.caps.update(state.limit, error_bound)
         if self.caps.refusal is not None:
             return LawOutput(self._rest, failure=self.caps.refusal)
         self._update_bound(state)

@@ -170,7 +170,7 @@ class Law(ABC):
 
     def _finish(self, output: LawOutput) -> LawOutput:
         twist = self.box.shortened(output.twist)
-        if not math.isfinite(twist.dot(twist)):
+        if twist is None:
             output = LawOutput(self._rest, failure="the twist is not finite")
             twist = self._rest.copy()
         self.travel.command(twist)

@@ -34,6 +34,7 @@ class SpeedBox:
     Attributes:
         reach: (12,) largest speeds [m/s, rad/s] in the twelve directions (see ``Travel``).
         speed: (6,), the speed limits alone.
+        payload: whether there is one beyond the sensor.
         inertial_force: (6,) [N, 0] that accelerating the payload can add to the measured wrench.
     """
 
@@ -53,6 +54,7 @@ class SpeedBox:
         limits = np.array(parameters.max_acceleration).reshape((2, 3)).T
         margin = math.sqrt(3.0) * _TURN * limits.max(axis=0)
         self._limits = limits / (1.0 + 2.0 * margin / limits.min(axis=0))
+        self.payload = parameters.payload_mass > 0.0
         self._inertia = parameters.payload_mass * limits[:, 0]
         self._inertial_margin = parameters.payload_mass * margin[0]
         self._period = parameters.period
@@ -79,16 +81,17 @@ class SpeedBox:
     def _turn_to(self, rotation: Array) -> None:
         self._rotation = rotation.copy()
         self._acceleration.reshape((2, 2, 3))[:] = rotated_limits(rotation, self._limits).T
-        if self._inertial_margin > 0.0:
+        if self.payload:
             self.inertial_force[:3] = np.abs(rotation).dot(self._inertia) + self._inertial_margin
 
-    def shortened(self, twist: Array) -> Array:
-        """The twist, scaled as a whole until its linear and angular norms are within the limits.
+    def shortened(self, twist: Array) -> Array | None:
+        """The twist, scaled as a whole until its linear and angular norms are within the limits; None if not finite.
 
         The robot's gate limits the two norms separately, which would bend the twist; scaled here, it never has to.
         """
         x, y, z, a, b, c = twist.tolist()
-        linear, angular = math.sqrt(x * x + y * y + z * z), math.sqrt(a * a + b * b + c * c)
+        linear, angular = math.hypot(x, y, z), math.hypot(a, b, c)
+        if not linear + angular < math.inf:
+            return None
         excess = max(linear / self._linear, angular / self._angular)
-        # Written so that a norm which is not a number is passed on, for whoever checks the twist.
         return twist / excess if excess > 1.0 else twist.copy()

@@ -92,8 +92,8 @@ class Travel:
         row = self._first + len(durations)
         if row == _ROWS:
             row = self._compact()
-        self._sent[row] = self._acting[row] = self.speeds
-        acting = self._acting[row]
+        self._sent[row] = self.speeds
+        largest, acting = self.speeds, self._acting[row]
         # An earlier command may still act, as long as it is not older than T.
         age, earlier = 0.0, row
         while earlier > self._first:
@@ -101,7 +101,9 @@ class Travel:
             age += durations[earlier - self._first]
             if age > self.period - _INSTANT:
                 break
-            np.maximum(acting, self._sent[earlier], out=acting)
+            largest = np.maximum(largest, self._sent[earlier], out=acting)
+        if largest is self.speeds:
+            acting[:] = largest
         durations.append(duration)
         if len(durations) > _MOST_SEGMENTS:
             self._merge_oldest()

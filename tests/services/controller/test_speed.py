@@ -69,6 +69,7 @@ def test_shortened_twist_keeps_its_direction_and_both_norms(twist: tuple) -> Non
     box = box_after(np.zeros(12))
     given_twist = np.array(twist)
     result = box.shortened(given_twist)
+    assert result is not None
     assert np.linalg.norm(result[:3]) <= 0.25 * (1 + 1e-12)
     assert np.linalg.norm(result[3:]) <= 0.5 * (1 + 1e-12)
     scale = float(result @ given_twist) / max(float(given_twist @ given_twist), 1e-300)
