@@ -35,11 +35,11 @@ class Problem:
 
 @dataclass(frozen=True)
 class Sample:
-    """One tick: its problem, and the times [us] of the whole tick and of nothing but PIQP on the same problem."""
+    """One tick: the times [us] of the whole tick and of nothing but PIQP on the same problem; the problem if kept."""
 
-    problem: Problem
     tick: float
     bare: float
+    problem: Problem | None
 
 
 class Bare:
@@ -56,10 +56,11 @@ class Bare:
         return self._solver.result.x
 
 
-def samples(count: int, parameters: ControllerParameters, seed: int = 0) -> list[Sample]:
+def samples(count: int, parameters: ControllerParameters, keep: bool = False, seed: int = 0) -> list[Sample]:
     """Ticks of a tool that follows changing targets under a random wrench; each followed by the bare solve.
 
-    The two are timed one after the other, so that whatever else the machine does falls on both alike.
+    The two are timed one after the other, so that whatever else the machine does falls on both alike. Keeping the
+    problems is for a run that is not timed: megabytes of copies pass through the caches between the ticks.
     """
     rng = np.random.default_rng(seed)
     law = make_law(parameters)
@@ -85,8 +86,12 @@ def samples(count: int, parameters: ControllerParameters, seed: int = 0) -> list
         position = position + PERIOD * output.twist[:3]
         rotation = rotation_from_vector(PERIOD * output.twist[3:]) @ rotation
         tick += 1
-        problem = Problem(
-            qp.weight, *(part.copy() for part in (qp.cost, qp.rows, qp.right, qp.lower, qp.upper, answer))
+        found.append(
+            Sample((between - began) * 1e-3, (ended - again) * 1e-3, _problem(qp, answer) if keep else None)
         )
-        found.append(Sample(problem, (between - began) * 1e-3, (ended - again) * 1e-3))
     return found
+
+
+def _problem(qp: Qp, answer: Array) -> Problem:
+    parts = (qp.weight, qp.cost, qp.rows, qp.right, qp.lower, qp.upper, answer)
+    return Problem(*(part.copy() for part in parts))

@@ -89,15 +89,15 @@ def twist(answer: Array) -> Array:
 def timings(count: int) -> tuple[dict[str, tuple[Timing, Timing]], list[Timing]]:
     """Per form the tick and the bare solve; then the peers on the strict form's problems."""
     own: dict[str, tuple[Timing, Timing]] = {}
-    problems: list[Problem] = []
     for form, yield_start in FORMS.items():
         found = measure(count, yield_start)
-        problems = problems or [sample.problem for sample in found]
         none = np.zeros(1)
         own[form] = (
             Timing(f"tick, {form}", np.array([sample.tick for sample in found]), none),
             Timing(f"bare PIQP, {form}", np.array([sample.bare for sample in found]), none),
         )
+    kept = samples(count + WARM_UP, parameters(FORMS["strict"]), keep=True)[WARM_UP:]
+    problems = [sample.problem for sample in kept if sample.problem is not None]
     with silent():
         return own, [contest(name, solve, problems) for name, solve in peers(problems[0]).items()]
 
