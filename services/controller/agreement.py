@@ -25,14 +25,24 @@ class Agreement:
         self.limit = np.full(6, np.inf)
         self.nominal = np.zeros(6)
         self._begun = False
+        self._reached: tuple[Array, Array] | None = (
+            None  # limit and nominal wrench of the target, once in force
+        )
 
     def follow(self, limit: Array, nominal: Array, dt: float) -> None:
-        """Move towards the target's limit and nominal wrench (6,), ``dt`` [s] after the last call."""
+        """Move towards the target's limit and nominal wrench (6,), ``dt`` [s] after the last call.
+
+        Neither is written to later: the same arrays are the same target.
+        """
+        reached = self._reached
+        if reached is not None and limit is reached[0] and nominal is reached[1]:
+            return
         if not self._begun:
             self._begun = True
             self.limit, self.nominal = limit.copy(), nominal.copy()
             return
-        share = min(1.0, _RAMP_RATE * dt)
-        step = share * self.limit
+        step = min(1.0, _RAMP_RATE * dt) * self.limit
         self.limit = np.maximum(limit, self.limit - step)
-        self.nominal = self.nominal + np.clip(nominal - self.nominal, -step, step)
+        self.nominal = np.minimum(np.maximum(nominal, self.nominal - step), self.nominal + step)
+        arrived = np.array_equal(self.limit, limit) and np.array_equal(self.nominal, nominal)
+        self._reached = (limit, nominal) if arrived else None

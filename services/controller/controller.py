@@ -203,7 +203,9 @@ class Controller:
         return self._outputs(state, reason, LawOutput(_ZERO))
 
     def _outputs(self, state: str, reason: str, output: LawOutput) -> list[Output]:
-        twist = output.twist
+        # The time to live is what makes T true: the robot drops a command that is older.
+        twist = output.twist.tolist()
+        command = TwistCommand(twist[:3], twist[3:], ttl=self._settings.period)
         status = ControlStatus(
             state=state,
             reason=reason,
@@ -215,6 +217,4 @@ class Controller:
             lyapunov=output.lyapunov,
             solve_us=self.law.solve_us,
         )
-        # The time to live is what makes T true: the robot drops a command that is older.
-        command = TwistCommand(twist[:3], twist[3:], ttl=self._settings.period)
         return [Output(COMMAND_EE_TWIST, command), Output(CONTROL_STATUS, status)]

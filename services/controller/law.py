@@ -7,6 +7,7 @@ where ``e`` is the pose error and ``v`` the tool twist. They differ in their bou
 from __future__ import annotations
 
 import math
+import operator
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any
@@ -80,15 +81,19 @@ class LawOutput:
     @property
     def active(self) -> Array:
         """(6,) 1 where the upper limit of the wrench's axis bounds the motion, -1 where the lower one does."""
-        bounds = self.excess >= -TOLERANCE
-        return np.subtract(bounds[:6], bounds[6:], dtype=float)
+        return np.array(self._active(), dtype=float)
 
     @property
     def yielding(self) -> bool:
         """It gives way to a wrench, or a limit bounds it under load rather than as a precaution."""
         if self.retreats or self.state is None:
             return self.retreats
-        return bool((self.active * self.state.wrench > self.state.error_bound).any())
+        load = map(operator.mul, self._active(), self.state.wrench.tolist())
+        return any(map(operator.gt, load, self.state.error_bound.tolist()))
+
+    def _active(self) -> list[int]:
+        bounds = [value >= -TOLERANCE for value in self.excess.tolist()]
+        return [upper - lower for upper, lower in zip(bounds[:6], bounds[6:], strict=True)]
 
     @property
     def relaxation(self) -> float:
