@@ -26,6 +26,7 @@ AT_REST = 1e-5
 """Joint speed [m/s, rad/s] that counts as none, so that the arm comes to rest in finite time."""
 IK_PERIOD = 0.01
 """Time [s] after which an unchanged twist is resolved into joint velocities anew, because the arm has moved."""
+_STANDING = [0.0] * len(CHAIN)
 
 
 class Arm:
@@ -34,20 +35,18 @@ class Arm:
     The motors hold positions. What is commanded integrates into their set-points, so a zero twist keeps the joints
     exactly where they were told to be, whatever hangs on the tool.
 
+    What happens in every step is written in plain floats, see ``Physics``, and poses are computed when asked for.
+
     Attributes:
-        tool_position: (3,) [m] in base.
-        tool_twist: (6,) [m/s, rad/s], base axes.
         limited_by: why the last twist was not executed in full, or "".
     """
 
     def __init__(self, step: float) -> None:
-        self.kinematics = Kinematics()
-        model = self.kinematics
+        model = self._kinematics = Kinematics()
         self.physics = Physics(model.home, model.effort, step)
         weight = np.array([TORSO_WEIGHT] + [1.0] * (len(CHAIN) - 1))
         margin = np.array([TORSO_MARGIN] + [ARM_MARGIN] * (len(CHAIN) - 1))
         self._ik = DifferentialIK(model.lower, model.upper, model.speed, margin, CHAIN, weight)
-        model.update(model.home)
         self._response = 1.0 - math.exp(-step / DRIVE_LAG)
         self._ik_steps = max(1, round(IK_PERIOD / step))
         self._torso_share = (model.home[0] - TORSO_BOTTOM) / (model.tool()[0][2] - LOWEST_TOOL)
@@ -56,69 +55,95 @@ class Arm:
     def reset(self) -> None:
         """Back to the start, at rest."""
         self.physics.reset()
-        self._set_point = self.kinematics.home.copy()
+        self._stale = True
+        self._set_point: list[float] = self._kinematics.home.tolist()
         self._was_moving = False
-        self._wanted = np.zeros(len(CHAIN))
-        self._velocity = np.zeros(len(CHAIN))
-        self._solved_for = np.zeros(6)
+        self._wanted = _STANDING
+        self._velocity = _STANDING
+        self._solved_for = [0.0] * 6
         self._steps_to_ik = 0
         self.limited_by = ""
-        self._observe()
+
+    @property
+    def kinematics(self) -> Kinematics:
+        """Of the joints' present positions."""
+        if self._stale:
+            self._kinematics.update(self.physics.position)
+            self._stale = False
+        return self._kinematics
+
+    @property
+    def tool_position(self) -> Array:
+        """Position (3,) [m] of the tool in base."""
+        return self.kinematics.tool_position()
+
+    @property
+    def tool_twist(self) -> Array:
+        """Twist (6,) [m/s, rad/s] of the tool, base axes."""
+        return self.kinematics.jacobian().dot(self.physics.velocity)
 
     def advance(self, twist: Array, force: list[float], torque: list[float] | None) -> None:
         """One physics step with the gate's twist (6,) and the environment's force [N] and torque [Nm] at the tool."""
-        moving = self._follow(twist)
+        moving = self._follow(twist.tolist())
         if moving:
-            self._set_point += self._velocity * self.physics.step_time
+            step = self.physics.step_time
+            self._set_point = [
+                place + velocity * step
+                for place, velocity in zip(self._set_point, self._velocity, strict=True)
+            ]
         if self._bound() or moving or self._was_moving:
             self.physics.drive(self._set_point, self._velocity)
         self._was_moving = moving
         if torque is not None or any(force):
             self.physics.push(force, torque, self.tool_position.tolist())
         self.physics.step()
-        self._observe()
+        self._stale = True
 
-    def _follow(self, twist: Array) -> bool:
+    def _follow(self, twist: list[float]) -> bool:
         """Let the drives follow a twist; false once they are at rest."""
-        if twist.any():
+        if any(twist):
             self._steps_to_ik -= 1
-            if self._steps_to_ik <= 0 or (twist != self._solved_for).any():
+            if self._steps_to_ik <= 0 or twist != self._solved_for:
                 self._wanted = self._solve(twist)
                 self._solved_for = twist
                 self._steps_to_ik = self._ik_steps
         elif self._was_moving:
-            self._wanted = np.zeros(len(CHAIN))
+            self._wanted = _STANDING
             self._steps_to_ik = 0
-            if np.abs(self._velocity).max() < AT_REST:
-                self._velocity = self._wanted
+            if max(map(abs, self._velocity)) < AT_REST:
+                self._velocity = _STANDING
                 return False
         else:
             return False
-        self._velocity = self._velocity + self._response * (self._wanted - self._velocity)
+        response = self._response
+        self._velocity = [
+            velocity + response * (wanted - velocity)
+            for velocity, wanted in zip(self._velocity, self._wanted, strict=True)
+        ]
         return True
 
-    def _solve(self, twist: Array) -> Array:
-        reference = self.kinematics.home.copy()
-        torso = TORSO_BOTTOM + self._torso_share * (self.tool_position[2] - LOWEST_TOOL)
-        reference[0] = min(max(torso, TORSO_BOTTOM), self.kinematics.home[0])
+    def _solve(self, twist: list[float]) -> list[float]:
+        kinematics = self.kinematics
+        reference = kinematics.home.copy()
+        torso = TORSO_BOTTOM + self._torso_share * (kinematics.tool_position()[2] - LOWEST_TOOL)
+        reference[0] = min(max(torso, TORSO_BOTTOM), kinematics.home[0])
         lead = np.zeros(len(CHAIN))
         if reference[0] == torso:
             lead[0] = self._torso_share * twist[2]
-        solution = self._ik.solve(self._set_point, self._jacobian, twist, reference, lead)
+        solution = self._ik.solve(
+            np.array(self._set_point), kinematics.jacobian(), np.array(twist), reference, lead
+        )
         self.limited_by = solution.limited_by
-        return solution.velocity
+        velocities: list[float] = solution.velocity.tolist()
+        return velocities
 
     def _bound(self) -> bool:
         """Keep the set-points within reach of the joints; true if one had to be moved."""
-        position = self.physics.position
-        bounded = np.minimum(np.maximum(self._set_point, position - SLACK), position + SLACK)
-        if (bounded == self._set_point).all():
+        positions = self.physics.positions
+        lead = [place - position for place, position in zip(self._set_point, positions, strict=True)]
+        if max(lead) <= SLACK and min(lead) >= -SLACK:
             return False
-        self._set_point = bounded
+        self._set_point = [
+            position + min(max(ahead, -SLACK), SLACK) for position, ahead in zip(positions, lead, strict=True)
+        ]
         return True
-
-    def _observe(self) -> None:
-        self.kinematics.update(self.physics.position)
-        self.tool_position: Array = self.kinematics.tool_position()
-        self._jacobian = self.kinematics.jacobian()
-        self.tool_twist: Array = self._jacobian @ self.physics.velocity

@@ -17,7 +17,7 @@ SOLVER_ITERATIONS = 15
 """With as many the motors give way by 3e-5 m at the tool under 28 N."""
 FRICTION = np.array([0.0] + [1.0] * (len(CHAIN) - 1))
 """Friction of the gears [N, Nm]: it helps to hold a joint still, and is not part of the motor's effort."""
-SLIP_DAMPING = np.array((0.0, 10.0, 10.0, 8.0, 8.0, 4.0, 2.0, 0.3))
+SLIP_DAMPING = (0.0, 10.0, 10.0, 8.0, 8.0, 4.0, 2.0, 0.3)
 """Resistance [Nm s/rad] of the gears of a joint that is pushed away: it gives way slowly instead of collapsing. Towards
 the hand it is as much as an explicit damper on so little inertia may have."""
 SLIPPING = 2e-3
@@ -32,8 +32,10 @@ class Physics:
     Each joint has a motor that follows a set-point with feed-forward of its velocity and gives at most the joint's
     effort limit, as a real drive does; the friction of its gears helps it to hold still.
 
+    What happens in every step is written in plain floats: on eight of them numpy takes longer to begin than to compute.
+
     Attributes:
-        position, velocity: of the chain's joints (8,) [m, rad, m/s, rad/s] after the last step.
+        positions, velocities: of the chain's joints, 8 each [m, rad, m/s, rad/s], after the last step.
 
     Args:
         home: joint positions (8,) at the start.
@@ -45,6 +47,8 @@ class Physics:
         self.step_time = step
         self._home = home
         self._limit = effort
+        self._moving_limit: list[float] = effort.tolist()
+        self._holding_limit: list[float] = (effort + FRICTION).tolist()
         self._client = pybullet.connect(pybullet.DIRECT)
         self._on = {"physicsClientId": self._client}
         pybullet.setGravity(0, 0, -GRAVITY, **self._on)
@@ -86,20 +90,25 @@ class Physics:
         """Back to the start configuration, at rest."""
         for joint, position in zip(self._joints, self._home.tolist(), strict=True):
             pybullet.resetJointState(self._body, joint, position, 0.0, **self._on)
-        self.drive(self._home, np.zeros(len(CHAIN)))
+        self.drive(self._home.tolist(), [0.0] * len(CHAIN))
         self._read()
 
-    def drive(self, position: Array, velocity: Array) -> None:
-        """Set-points (8,) that the motors hold until the next call."""
-        self._target_velocity = velocity
-        forces = self._limit + FRICTION * (velocity == 0.0)
+    def drive(self, positions: list[float], velocities: list[float]) -> None:
+        """Set-points, 8 each [m, rad, m/s, rad/s], that the motors hold until the next call."""
+        self._target_velocities = velocities
+        forces = [
+            holding if velocity == 0.0 else moving
+            for velocity, holding, moving in zip(
+                velocities, self._holding_limit, self._moving_limit, strict=True
+            )
+        ]
         pybullet.setJointMotorControlArray(
             self._body,
             self._joints,
             pybullet.POSITION_CONTROL,
-            targetPositions=position.tolist(),
-            targetVelocities=velocity.tolist(),
-            forces=forces.tolist(),
+            targetPositions=positions,
+            targetVelocities=velocities,
+            forces=forces,
             positionGains=self._gains[0],
             velocityGains=self._gains[1],
             **self._on,
@@ -115,26 +124,38 @@ class Physics:
         """Let one step of time pass."""
         pybullet.stepSimulation(**self._on)
         self._read()
-        slip = self.velocity - self._target_velocity
-        if np.abs(slip).max() > SLIPPING:
+        slip = [
+            velocity - target for velocity, target in zip(self.velocities, self._target_velocities, strict=True)
+        ]
+        if max(slip) > SLIPPING or min(slip) < -SLIPPING:
             # Acts in the next step, in addition to the motors.
             pybullet.setJointMotorControlArray(
                 self._body,
                 self._joints,
                 pybullet.TORQUE_CONTROL,
-                forces=(-SLIP_DAMPING * slip).tolist(),
+                forces=[-damping * speed for damping, speed in zip(SLIP_DAMPING, slip, strict=True)],
                 **self._on,
             )
 
     def _read(self) -> None:
         states = pybullet.getJointStates(self._body, self._joints, **self._on)
-        self.position: Array = np.array([state[0] for state in states])
-        self.velocity: Array = np.array([state[1] for state in states])
-        self._states = states
+        self.positions: tuple[float, ...]
+        self.velocities: tuple[float, ...]
+        self.positions, self.velocities, _, self._efforts = zip(*states, strict=True)
+
+    @property
+    def position(self) -> Array:
+        """Positions (8,) [m, rad] of the chain's joints after the last step."""
+        return np.array(self.positions)
+
+    @property
+    def velocity(self) -> Array:
+        """Velocities (8,) [m/s, rad/s] of the chain's joints after the last step."""
+        return np.array(self.velocities)
 
     def effort(self) -> Array:
         """Efforts (8,) [N, Nm] of the motors in the last step; what friction holds is not theirs."""
-        return np.clip([state[3] for state in self._states], -self._limit, self._limit)
+        return np.minimum(np.maximum(self._efforts, -self._limit), self._limit)
 
     def wrist_wrench(self) -> Array:
         """Wrench (6,) [N, Nm] that everything beyond the sensor exerts on it: about its origin, in its axes.

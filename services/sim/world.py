@@ -25,7 +25,7 @@ class World:
 
     Attributes:
         time: simulated time [s] since the process started.
-        contact_force: force (3,) [N] that bag and pushes exert on the tool, base axes.
+        contact_force: force (3) [N] that bag and pushes exert on the tool, base axes.
 
     Args:
         step: duration [s] of one physics step.
@@ -35,7 +35,7 @@ class World:
         self.arm = Arm(step)
         self.bag = Bag()
         self.time = 0.0
-        self.contact_force: Array = np.zeros(3)
+        self.contact_force = [0.0, 0.0, 0.0]
         self._step = step
         self._pushes: list[_Push] = []
 
@@ -44,7 +44,7 @@ class World:
         self.arm.reset()
         self.bag = Bag()
         self._pushes = []
-        self.contact_force = np.zeros(3)
+        self.contact_force = [0.0, 0.0, 0.0]
 
     def load(self, mass: float) -> None:
         """Hang a bag of that total mass [kg] from the tool, or make the one there so heavy; 0 takes it off."""
@@ -57,11 +57,7 @@ class World:
 
     def advance(self, twist: Array) -> None:
         """One physics step, the arm being told to move its tool with a twist (6,)."""
-        arm = self.arm
-        x, y, z = arm.tool_position.tolist()
-        vx, vy, vz = arm.tool_twist[:3].tolist()
-        force = list(self.bag.step((x, y, z), (vx, vy, vz), self._step))
-        torque = None
+        force, torque = self._pull(), None
         if self._pushes:
             total = np.zeros(3)
             for push in self._pushes:
@@ -70,6 +66,14 @@ class World:
                 push.left -= self._step
             self._pushes = [push for push in self._pushes if push.left > 0.5 * self._step]
             torque = total.tolist()
-        arm.advance(twist, force, torque)
-        self.contact_force = np.array(force)
+        self.arm.advance(twist, force, torque)
+        self.contact_force = force
         self.time += self._step
+
+    def _pull(self) -> list[float]:
+        """Force (3) [N] of the bag on the tool in this step."""
+        if not self.bag.present:
+            return [0.0, 0.0, 0.0]
+        x, y, z = self.arm.tool_position.tolist()
+        vx, vy, vz, *_ = self.arm.tool_twist.tolist()
+        return list(self.bag.step((x, y, z), (vx, vy, vz), self._step))

@@ -35,7 +35,7 @@ def test_without_a_command_the_set_points_do_not_move_at_all(arm: Arm) -> None:
     run(arm, STILL, 0.5)
     held = arm._set_point.copy()
     run(arm, STILL, 1.0, [0, 0, -20.0])
-    assert (arm._set_point == held).all()
+    assert arm._set_point == held
 
 
 @pytest.mark.parametrize("axis", range(6))
