@@ -61,7 +61,9 @@ class Gate:
     def __init__(self, limits: GateLimits) -> None:
         self.limits = limits
         self._wanted = np.zeros(6)
+        self._moving = False
         self._executed = np.zeros(6)
+        self._share = 0.0
         self._left = 0.0
         self._stopped = ""
         self.clamped = 0
@@ -82,18 +84,24 @@ class Gate:
         wanted = np.concatenate((linear, angular))
         self._broken_off = False
         if not (valid and np.isfinite(wanted).all() and math.isfinite(ttl) and math.isfinite(age)):
-            self._wanted, self._left = np.zeros(6), 0.0
+            self._want(np.zeros(6))
+            self._left = 0.0
             return
         speed_linear, speed_angular = _norms(wanted)
         excess = max(speed_linear / self.limits.max_linear, speed_angular / self.limits.max_angular)
         # One rounding error of a command exactly at the limit is no excess.
         if excess > 1.0 + 1e-9 or ttl > LONGEST_TTL:
             self.clamped += 1
-        self._wanted = wanted / max(excess, 1.0)
+        self._want(wanted / max(excess, 1.0))
         self._left = min(ttl, LONGEST_TTL) - max(age, 0.0)
         if self._left <= _INSTANT:
             self.late += 1
-            self._wanted = np.zeros(6)
+            self._want(np.zeros(6))
+
+    def _want(self, twist: Array) -> None:
+        self._wanted = twist
+        self._moving = bool(twist.any())
+        self._share = 0.0
 
     def stop(self, engaged: bool, reason: str) -> None:
         """Engage or release the stop; it stays engaged until released."""
@@ -107,15 +115,17 @@ class Gate:
         """
         if not 0.0 <= dt < math.inf:
             raise ValueError(f"dt is {dt}, wanted a finite duration in seconds")
-        moving = bool(self._wanted.any())
         if self._stopped or self._left <= _INSTANT:
-            self._broken_off = not self._stopped and (moving or self._broken_off)
-            self._wanted = np.zeros(6)
+            self._broken_off = not self._stopped and (self._moving or self._broken_off)
+            self._want(np.zeros(6))
             self._executed = np.zeros(6)
-        elif moving:
+        elif self._moving:
             # Of the last interval only the part that the ttl leaves: no command travels further than speed times ttl.
             left = self._left / dt if dt > self._left else 1.0
-            self._executed = self._wanted * min(self._reachable(dt), left)
+            # What is executed in full stays so: a process steps several times per command.
+            if self._share < 1.0 or left < 1.0:
+                self._share = min(self._reachable(dt), left)
+                self._executed = self._wanted * self._share
         else:
             self._executed = np.zeros(6)
         self._left -= dt

@@ -33,4 +33,4 @@ class ForceTorqueSensor:
         """One reading (6,) [N, Nm] of a true wrench (6,), both in sensor axes, and whether an axis is saturated."""
         reading = wrench + self._bias + self._noise * self._random.standard_normal(6)
         clipped = np.minimum(np.maximum(reading, -RANGE), RANGE)
-        return clipped, bool((clipped != reading).any())
+        return clipped, clipped.tolist() != reading.tolist()

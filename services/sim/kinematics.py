@@ -81,22 +81,22 @@ class Kinematics:
         self.home: Array = home(self._model)
         self.update(self.home)
         pin.updateFramePlacement(self._model, self._data, self._sensor)
-        tool_in_sensor = self._data.oMf[self._sensor].actInv(self._data.oMf[self._tool])
+        tool_in_sensor = self._data.oMf[self._sensor].actInv(self._tool_pose)
         self.tool_in_sensor: Array = tool_in_sensor.translation.copy()
 
     def update(self, position: Array) -> None:
         """Compute poses and Jacobians for the chain's joint positions (8,) [m, rad]."""
         pin.computeJointJacobians(self._model, self._data, position)
-        pin.updateFramePlacement(self._model, self._data, self._tool)
+        self._tool_pose = pin.updateFramePlacement(self._model, self._data, self._tool)
 
     def tool(self) -> tuple[Array, Array]:
         """Position (3,) [m] and rotation (3, 3) of the tool in base."""
-        pose = self._data.oMf[self._tool]
+        pose = self._tool_pose
         return pose.translation.copy(), pose.rotation.copy()
 
     def tool_position(self) -> Array:
         """Position (3,) [m] of the tool in base."""
-        return self._data.oMf[self._tool].translation.copy()
+        return self._tool_pose.translation.copy()
 
     def sensor(self) -> tuple[Array, Array]:
         """Position (3,) [m] and rotation (3, 3) of the force-torque sensor in base."""

@@ -74,7 +74,8 @@ class Physics:
         pybullet.enableJointForceTorqueSensor(self._body, self._wrist, True, **self._on)
         # The reaction comes in the axes of the body's principal inertia, which are not those of the joint.
         principal = pybullet.getDynamicsInfo(self._body, self._wrist, **self._on)[4]
-        self._principal = np.array(pybullet.getMatrixFromQuaternion(principal)).reshape(3, 3)
+        rotation = np.array(pybullet.getMatrixFromQuaternion(principal)).reshape(3, 3)
+        self._onto_sensor = -np.kron(np.eye(2), rotation)
         self._gains = [POSITION_GAIN] * len(CHAIN), [1.0] * len(CHAIN)
         self.reset()
 
@@ -162,8 +163,9 @@ class Physics:
 
         Weight and inertia of the gripper are part of it, as in a real sensor.
         """
-        reaction = np.array(pybullet.getJointState(self._body, self._wrist, **self._on)[2])
-        return -np.concatenate((self._principal @ reaction[:3], self._principal @ reaction[3:]))
+        reaction = pybullet.getJointState(self._body, self._wrist, **self._on)[2]
+        wrench: Array = self._onto_sensor.dot(reaction)
+        return wrench
 
     def close(self) -> None:
         """Release the physics world."""

@@ -54,6 +54,8 @@ class Simulator:
         self._joints = JointSensors(self.world.arm, self._lines["joints"])
         self._commands = Commands(self.world, self._lines)
         self._pace = Pace()
+        self._base = Output(topics.STATE_BASE, BaseState(np.zeros(2), 0.0, np.zeros(3)))
+        self._gripper = Output(topics.STATE_GRIPPER, GripperState(0.0, 0.0, False))
         self.wiring = Wiring(
             name="sim",
             driver=self._stretch / self._ticks.rate,
@@ -106,9 +108,9 @@ class Simulator:
         outputs += self._lines["joints"].send(joints, tick)
         # Sensors keep their rates in simulated time, what is told of the rest its rate in real time.
         if due(topics.STATE_BASE.rate * self._stretch):
-            outputs.append(Output(topics.STATE_BASE, BaseState(np.zeros(2), 0.0, np.zeros(3))))
+            outputs.append(self._base)
         if due(topics.STATE_GRIPPER.rate * self._stretch):
-            outputs.append(Output(topics.STATE_GRIPPER, GripperState(0.0, 0.0, False)))
+            outputs.append(self._gripper)
         if due(topics.SIM_WORLD.rate * self._stretch):
             outputs.append(Output(topics.SIM_WORLD, self._world_state()))
         return outputs
