@@ -12,6 +12,7 @@ import dataclasses
 import json
 from dataclasses import MISSING, dataclass, field
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -119,7 +120,8 @@ class Recorder:
 
     def heard(self, topic: Topic, time: float, payload: bytes) -> None:
         """Takes a payload of a topic that arrived at `time` [s]."""
-        self._heard.setdefault(topic.key, []).append((time, payload))
+        # As mere bytes: what a payload was encoded from takes several times its memory.
+        self._heard.setdefault(topic.key, []).append((time, bytes(payload)))
 
     def finish(self, meta: dict[str, Any], events: list[Event], start: float) -> Recording:
         """Everything heard so far, with times and events counted from `start` [s].
@@ -145,21 +147,16 @@ class Recorder:
         return Recording(meta | {"rejected": rejected}, shifted, topics)
 
 
-def _row(topic: Topic, payload: bytes) -> dict[str, Any] | None:
-    """The fields of one message as one flat mapping, or None if it is no message of the topic.
+def _map(topic: Topic, payload: bytes, needed: frozenset[str]) -> dict[str, Any] | None:
+    """One message of a topic as it is, or None if it is not one that has all the fields needed.
 
-    Images and other bytes are left out. The full check of every element is the readers' in the control loop; here the
-    shapes decide, since a column has one.
+    The full check of every element is the readers' in the control loop; here the shapes decide, since a column has one.
     """
     try:
         data = decode_map(payload, topic.cap)
     except Rejected:
         return None
-    fields = {"valid": data.get("valid", MISSING)}
-    fields |= {name: data.get(name, default) for name, _, default in topic.message.kinds()}
-    if any(value is MISSING for value in fields.values()):
-        return None
-    return _flatten({name: value for name, value in fields.items() if not isinstance(value, bytes)})
+    return data if needed <= data.keys() else None
 
 
 def _sound(topic: Topic, payload: bytes) -> bool:
@@ -170,42 +167,46 @@ def _sound(topic: Topic, payload: bytes) -> bool:
     return True
 
 
-def _flatten(data: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Nested messages dotted; maps with free keys (an input's key has a slash) as JSON; absent parts None."""
-    flat: dict[str, Any] = {}
-    for name, value in data.items():
-        if not isinstance(value, dict):
-            flat[prefix + name] = value
-        elif any("/" in key for key in value) or not value:
-            flat[prefix + name] = json.dumps(value)
-        else:
-            flat |= _flatten(value, f"{prefix}{name}.")
-    return flat
-
-
 def _table(topic: Topic, heard: list[tuple[float, bytes]], start: float) -> Columns:
-    rows = [(time, flat) for time, payload in heard if (flat := _row(topic, payload)) is not None]
-    columns = _columns([flat for _, flat in rows])
+    fields = {name: default for name, _, default in topic.message.kinds()}
+    needed = frozenset(("valid", *(name for name, default in fields.items() if default is MISSING)))
+    messages = [(time, data) for time, payload in heard if (data := _map(topic, payload, needed)) is not None]
+    columns = _columns("valid", [data["valid"] for _, data in messages])
+    for name, default in fields.items():
+        columns |= _columns(name, [data.get(name, default) for _, data in messages])
     if "time" in columns:
         columns["message_time"] = columns.pop("time")
-    return {"time": np.array([time for time, _ in rows]) - start, **columns}
+    return {"time": np.array([time for time, _ in messages]) - start, **columns}
 
 
-def _columns(rows: list[dict[str, Any]]) -> Columns:
+def _columns(name: str, values: list[Any]) -> Columns:
+    """The columns of one field, given its value in every message; images and other bytes have none."""
+    kinds = set(map(type, values))
     columns: Columns = {}
-    for name in dict.fromkeys(name for row in rows for name in row):
-        values = [row.get(name) for row in rows]
+    if dict in kinds:
+        nested = [value if isinstance(value, dict) and not _has_free_keys(value) else {} for value in values]
+        for part in dict.fromkeys(part for value in nested for part in value):
+            columns |= _columns(f"{name}.{part}", [value.get(part) for value in nested])
+        values = [_as_text(value) if isinstance(value, dict) else value for value in values]
+    if not kinds.isdisjoint((dict, bytes, NoneType)):
+        values = [None if isinstance(value, bytes) else value for value in values]
         sample = next((value for value in values if value is not None), None)
         if sample is None:
-            continue
-        if isinstance(sample, list) and sample and isinstance(sample[0], str):
-            columns[name] = np.array(
-                [sample]
-            )  # the joints' names repeat in every message; one row says it all
-            continue
+            return columns
         absent: Any = "" if isinstance(sample, str) else np.full(np.shape(sample), np.nan)
-        columns[name] = np.array([absent if value is None else value for value in values])
-    return columns
+        values = [absent if value is None else value for value in values]
+    if values and isinstance(values[0], list) and values[0] and isinstance(values[0][0], str):
+        values = values[:1]  # the joints' names repeat in every message; one row says it all
+    return columns | {name: np.array(values)}
+
+
+def _has_free_keys(value: dict[str, Any]) -> bool:
+    """Whether it is a map from anything, such as an input's key, which has a slash, and no nested message."""
+    return not value or any("/" in key for key in value)
+
+
+def _as_text(value: dict[str, Any]) -> str | None:
+    return json.dumps(value) if _has_free_keys(value) else None
 
 
 def _spread(name: str, values: np.ndarray) -> list[tuple[str, np.ndarray]]:
