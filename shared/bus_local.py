@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import heapq
-from collections import defaultdict
 from collections.abc import Callable
 from functools import partial
 
@@ -65,25 +64,26 @@ class LocalBus:
     def __init__(self, scheduler: Scheduler, latency: float = 0.0) -> None:
         self._scheduler = scheduler
         self._latency_ns = nanoseconds(latency)
-        self._subscribers: defaultdict[str, list[OnPayload]] = defaultdict(list)
+        self._subscribers: dict[str, tuple[OnPayload, ...]] = {}
         self._servers: dict[str, OnRequest] = {}
         self._living: set[str] = set()
 
     def publish(self, key: str, payload: bytes) -> None:
         """Deliver after the latency, in order."""
-        due = self._scheduler.clock.now_ns() + self._latency_ns
-        for on_payload in self._subscribers[key]:
-            self._scheduler.at(due, partial(on_payload, payload))
+        if key in self._subscribers:
+            due = self._scheduler.clock.now_ns() + self._latency_ns
+            self._scheduler.at(due, partial(_deliver, self._subscribers[key], payload))
 
     def subscribe(self, key: str, on_payload: OnPayload, work: Work | None = None) -> None:
         """Have every payload under the key handed over; in simulated time no work lasts."""
 
-        def deliver(payload: bytes) -> None:
+        def and_work(payload: bytes) -> None:
             on_payload(payload)
-            if work is not None:
-                work(False)
+            assert work is not None
+            work(False)
 
-        self._subscribers[key].append(deliver)
+        take = on_payload if work is None else and_work
+        self._subscribers[key] = (*self._subscribers.get(key, ()), take)
 
     def serve(self, key: str, on_request: OnRequest) -> None:
         """Answer queries under the key."""
@@ -124,3 +124,8 @@ class LocalBus:
         self._subscribers.clear()
         self._servers.clear()
         self._living.clear()
+
+
+def _deliver(subscribers: tuple[OnPayload, ...], payload: bytes) -> None:
+    for on_payload in subscribers:
+        on_payload(payload)

@@ -7,7 +7,7 @@ import threading
 
 from shared.bus import Bus
 from shared.clock import Clock
-from shared.codec import encode
+from shared.codec import Payload
 from shared.messages import Header
 from shared.records import Record
 from shared.topics import Topic
@@ -37,4 +37,4 @@ class Publisher:
             sequence = self._next.get(topic.key, 0)
             self._next[topic.key] = sequence + 1
         stamp = self._clock.now_ns() if stamp is None else stamp
-        self._bus.publish(topic.key, encode(message, Header(sequence, self.session, stamp, valid)))
+        self._bus.publish(topic.key, Payload.of(message, Header(sequence, self.session, stamp, valid)))
