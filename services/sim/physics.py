@@ -126,7 +126,8 @@ class Physics:
         pybullet.stepSimulation(**self._on)
         self._read()
         slip = [
-            velocity - target for velocity, target in zip(self.velocities, self._target_velocities, strict=True)
+            velocity - target
+            for velocity, target in zip(self.velocities, self._target_velocities, strict=True)
         ]
         if max(slip) > SLIPPING or min(slip) < -SLIPPING:
             # Acts in the next step, in addition to the motors.

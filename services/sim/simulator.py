@@ -128,4 +128,4 @@ class Simulator:
     def _world_state(self) -> SimWorld:
         bag = self.world.bag
         state = BagState(bag.mass, bag.height) if bag.present else None
-        return SimWorld(self.world.time, None, state, None, self.world.contact_force, False)
+        return SimWorld(self.world.time, None, state, None, np.array(self.world.contact_force), False)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pinocchio as pin
 
 from services.sim.arm import Arm
 from services.sim.kinematics import CHAIN, Kinematics, full_model, home, joint_names
 from services.sim.sensor_faults import SensorLine
 from shared.messages import EndEffector, JointState
-from shared.spatial import Array, quaternion
+from shared.spatial import quaternion
 
 
 class JointSensors:
@@ -24,10 +25,9 @@ class JointSensors:
         self._kinematics = Kinematics()
         model = full_model()
         self._names = joint_names(model)
-        held = home(model)
-        self._position: list[float] = held.tolist()
-        self._effort: list[float] = pin.computeGeneralizedGravity(model, model.createData(), held).tolist()
-        self._driven = [self._names.index(name) for name in CHAIN]
+        self._position = home(model)
+        self._effort = pin.computeGeneralizedGravity(model, model.createData(), self._position)
+        self._driven = np.array([self._names.index(name) for name in CHAIN])
 
     def measure(self) -> tuple[JointState, EndEffector]:
         """Joint states and the tool's pose and twist, as the encoders have them."""
@@ -36,22 +36,15 @@ class JointSensors:
             lambda: (physics.position, physics.velocity, physics.effort())
         )
         position = self._line.shift(position)
+        all_positions, all_velocities = self._position.copy(), np.zeros(len(self._names))
+        all_efforts = self._effort.copy()
+        all_positions[self._driven] = position
+        all_velocities[self._driven] = velocity
+        all_efforts[self._driven] = effort
         self._kinematics.update(position)
         tool, rotation = self._kinematics.tool()
         twist = self._kinematics.jacobian().dot(velocity)
         return (
-            JointState(
-                self._names,
-                self._with_driven(self._position, position),
-                self._with_driven([0.0] * len(self._names), velocity),
-                self._with_driven(self._effort, effort),
-            ),
+            JointState(self._names, all_positions, all_velocities, all_efforts),
             EndEffector(tool, quaternion(rotation), twist[:3], twist[3:]),
         )
-
-    def _with_driven(self, held: list[float], driven: Array) -> list[float]:
-        """Values of all joints: as they are held, but for the driven ones (8,)."""
-        values = held.copy()
-        for joint, value in zip(self._driven, driven.tolist(), strict=True):
-            values[joint] = value
-        return values
