@@ -118,7 +118,8 @@ WRENCH_IDENTIFY = Query(
     "wrench",
     '`action` "start", "add", "solve" or "cancel"',
     "solve: `mass` kg, `com`[3] m in sensor axes, `force_bias`[3], `torque_bias`[3], `sigma`, `residual_rms`[6], "
-    "`condition`",
+    "`condition`, "
+    "`file` where it was written, empty if nowhere",
 )
 TASK_COMMAND = Query("task/command", "task", '`command` "start", "abort", "release" or "reset"', "`state`")
 _PARAMETERS = (

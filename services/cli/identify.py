@@ -18,7 +18,7 @@ from shared.bus import NoReply
 from shared.bus_zenoh import ZenohBus
 from shared.client import Client
 from shared.inlet import Inlet
-from shared.messages import ControlTarget, EndEffector
+from shared.messages import ControlTarget, EndEffector, RobotStatus
 from shared.parameters import Refused
 from shared.spatial import pose_error, rotation_matrix, rpy_from_rotation
 
@@ -45,7 +45,7 @@ def identify(
     force, torque = limits("--force-limit", force_limit), limits("--torque-limit", torque_limit)
     with open_bus(robot, connect) as bus:
         client = Client(bus)
-        inlet = client.watch(topics.STATE_EE)
+        inlet, status = client.watch(topics.STATE_EE), client.watch(topics.STATE_ROBOT)
         start = _first(inlet)
         roll, pitch, yaw = rpy_from_rotation(rotation_matrix(start.orientation))
         typer.echo(
@@ -63,14 +63,15 @@ def identify(
                 typer.echo(f"pose {number} of {len(TILTS)} ", nl=False)
                 away = _go(client, inlet, make_target(pose, force, torque))
                 _measure(client, topics.WRENCH_IDENTIFY, {"action": "add"})
-                typer.echo(
-                    "taken" if away < ARRIVED else f"taken {math.degrees(away):.0f} degrees short of it"
-                )
+                typer.echo("taken" if away < ARRIVED else _short(away, status))
             reply = ask(bus, topics.WRENCH_IDENTIFY, {"action": "solve"})
         except (KeyboardInterrupt, typer.Exit):
             _cancel(bus)
             raise
     _show(reply)
+    typer.echo(
+        f"The tool is back; the last target, with {force_limit} N and {torque_limit} Nm, stays in force."
+    )
 
 
 def _first(inlet: Inlet[EndEffector]) -> EndEffector:
@@ -120,18 +121,32 @@ def _go(client: Client, inlet: Inlet[EndEffector], target: ControlTarget) -> flo
     )
 
 
+def _short(away: float, status: Inlet[RobotStatus]) -> str:
+    """How far [rad] a pose was missed, and what the robot says about it: other orientations do as well."""
+    reason = status.latest.message.reason if status.latest else ""
+    return f"taken {math.degrees(away):.0f} degrees short of it{reason and f' ({reason})'}"
+
+
 def _cancel(bus: ZenohBus) -> None:
     typer.echo("cancelled: the present compensation stays")
     ask(bus, topics.WRENCH_IDENTIFY, {"action": "cancel"})
 
 
-def _show(reply: dict) -> None:
+def _show(reply: dict[str, Any]) -> None:
     sigma = reply["sigma"]
-    spread = sigma if isinstance(sigma, list) else [sigma] * 10
-    com = ", ".join(f"{1e3 * value:+.1f}" for value in reply["com"])
-    typer.echo(f"mass            {reply['mass']:.4f} ± {spread[0]:.4f} kg")
-    typer.echo(f"centre of mass  [{com}] mm from the sensor, sensor axes")
-    typer.echo(f"force bias      [{', '.join(f'{value:+.3f}' for value in reply['force_bias'])}] N")
-    typer.echo(f"torque bias     [{', '.join(f'{value:+.4f}' for value in reply['torque_bias'])}] Nm")
+    typer.echo(f"mass            {reply['mass']:.4f} ± {sigma[0]:.4f} kg (± one standard deviation)")
+    for name, values, spreads, scale, digits, unit in (
+        ("centre of mass", reply["com"], sigma[1:4], 1e3, 1, "mm from the sensor, sensor axes"),
+        ("force bias", reply["force_bias"], sigma[4:7], 1.0, 3, "N"),
+        ("torque bias", reply["torque_bias"], sigma[7:], 1.0, 4, "Nm"),
+    ):
+        shown = ", ".join(
+            f"{scale * value:+.{digits}f} ± {scale * spread:.{digits}f}"
+            for value, spread in zip(values, spreads, strict=True)
+        )
+        typer.echo(f"{name:15} [{shown}] {unit}")
     typer.echo(f"residual (rms)  [{', '.join(f'{value:.3f}' for value in reply['residual_rms'])}] N, Nm")
     typer.echo(f"condition       {reply['condition']:.1f}")
+    typer.echo("It is subtracted from now on, in every pose.")
+    if reply.get("file"):
+        typer.echo(f"A later stack uses it too with: tandem up --set 'wrench.payload=\"{reply['file']}\"'")
