@@ -62,6 +62,7 @@ class CertifiedLaw(Law):
         self._path = self._load[6:18]
         self._rooms = np.zeros((2, 2, 12))
         self._flat_rooms = self._rooms.ravel()
+        self._opened = np.full((2, 12), UNBOUNDED)  # how far the lasting rooms are in use
         self._levels: Array | None = None  # those that the offset was made for
         self._tightest = 0.0
         self._y = np.zeros(6)
@@ -97,7 +98,7 @@ class CertifiedLaw(Law):
             return LawOutput(self._rest, failure=self.caps.refusal)
         self._update_bound(state)
         yields = self._yield(state, dt)
-        closed = self._rows(state, yields)
+        closed = self._rows(state, yields, dt)
         y = self._y
         if yields and self.rounded and closed:
             # Nothing but the retreat may move while a row has no room.
@@ -184,12 +185,14 @@ class CertifiedLaw(Law):
             )
         np.subtract(speeds[6:], speeds[:6], out=self._y)
 
-    def _rows(self, state: LawInput, yields: bool) -> bool:
+    def _rows(self, state: LawInput, yields: bool, dt: float) -> bool:
         """Room of every row as a speed, and the upper bounds of q and p; returns whether a row has none at all.
 
         ``T M [q; p] <= max(0, A - (+-w) - M (s + T y))``, and with the reserve ``T d_i q_i <= max(0, ... - rho_i)``.
         The same with ``T + d + tau`` for T and without s is the speed that can be kept up without being stopped by s
-        later; taking the smaller of both only tightens the rows and makes an approach smooth.
+        later; taking the smaller of both only tightens the rows and makes an approach smooth. Room that has come back
+        is used little by little, over a response time: taken at once, it would be gone again before the wrench shows
+        it, and the tool would hunt along a contact.
         """
         load, now = self._load, self._now
         load[:6] = state.wrench
@@ -204,7 +207,11 @@ class CertifiedLaw(Law):
             np.multiply(self._per_force, levels, out=self._offset)
             self._levels = None if yields else levels
         self._room_matrix.dot(load, self._flat_rooms)
-        np.minimum(self._next, self._lasting, out=now)
+        opened, lasting = self._opened, self._lasting
+        opened += min(1.0, dt / self.parameters.horizon) * (lasting - opened)
+        np.minimum(opened, lasting, out=opened)
+        np.maximum(opened, _ZERO, out=opened)
+        np.minimum(self._next, opened, out=now)
         self._tightest = min(self._room.tolist())
         np.maximum(now, _ZERO, out=now)
         upper = self._upper
