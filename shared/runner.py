@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from shared import faults
 from shared.arming import REARM_AFTER, Arming
@@ -13,7 +13,7 @@ from shared.faults import Fault
 from shared.inlet import Inlet, Received
 from shared.publisher import Publisher
 from shared.queries import QueryDesk
-from shared.service import Inputs, Reading, Service
+from shared.service import Inputs, Output, Reading, Service
 from shared.timing import HealthReporter, LoopTiming
 from shared.topics import Topic
 
@@ -164,23 +164,25 @@ class Runner:
         self._last_call = now
         if fault is None:
             try:
-                outputs = self.service.step(self._inputs(now), dt)
+                self._send(now, self.service.step(self._inputs(now), dt), True)
             except (ArithmeticError, ValueError, LookupError) as problem:
                 fault = faults.internal(problem)
-                outputs = self.service.brake(fault, 0.0)
+                self._send(now, self.service.brake(fault, 0.0), False)
         else:
-            outputs = self.service.brake(fault, dt)
+            self._send(now, self.service.brake(fault, dt), False)
         self.fault = fault
+        self._next_brake = self._brake_deadline(now)
+        self._tell(fault)
+
+    def _send(self, now: int, outputs: Iterable[Output], healthy: bool) -> None:
         for output in outputs:
             if output.payload is None:
                 # The stamp says how old the content is, not when it got away: a process that is stopped in the middle
                 # of a step must not send what it computed before as if it were fresh.
                 stamp = now - nanoseconds(output.late) if output.late else now
-                self.publish(output.topic, output.message, output.valid and fault is None, stamp)
+                self.publish(output.topic, output.message, output.valid and healthy, stamp)
             else:
                 self._bus.publish(output.topic.key, output.payload)
-        self._next_brake = self._brake_deadline(now)
-        self._tell(fault)
 
     def _brake_deadline(self, now: int) -> int:
         if self._driver is None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -96,11 +96,14 @@ class Service(Protocol):
     parameters: Parameters
     max_delay: float
 
-    def step(self, inputs: Inputs, dt: float) -> list[Output]:
-        """One step with healthy inputs, ``dt`` [s] after the last call; commands first."""
+    def step(self, inputs: Inputs, dt: float) -> Iterable[Output]:
+        """One step with healthy inputs, ``dt`` [s] after the last call; commands first.
+
+        Each output is sent as soon as it is there: what a generator makes after a command does not delay it.
+        """
         ...
 
-    def brake(self, fault: Fault, dt: float) -> list[Output]:
+    def brake(self, fault: Fault, dt: float) -> Iterable[Output]:
         """What to publish because of a fault, ``dt`` [s] after the last call."""
         ...
 

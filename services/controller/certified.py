@@ -208,7 +208,9 @@ class CertifiedLaw(Law):
             self._levels = None if yields else levels
         self._room_matrix.dot(load, self._flat_rooms)
         opened, lasting = self._opened, self._lasting
-        opened += min(1.0, dt / self.parameters.horizon) * (lasting - opened)
+        share = min(1.0, dt / self.parameters.horizon)
+        opened *= 1.0 - share
+        opened += share * lasting
         np.minimum(opened, lasting, out=opened)
         np.maximum(opened, _ZERO, out=opened)
         np.minimum(self._next, opened, out=now)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -72,27 +72,26 @@ class Controller:
         self._refused = self._refused_before = ""
         self._stopped: str | None = None
         self._settling = 0.0
-        self._margin = _ZERO
+        self._measured = self._error_bound = _ZERO
         self._failures = 0
         self._show_failure = 0.0
 
-    def step(self, inputs: Inputs, dt: float) -> list[Output]:
+    def step(self, inputs: Inputs, dt: float) -> Iterator[Output]:
         """The twist for the newest wrench, then the status."""
         self._listen(inputs)
         self._settling = max(0.0, self._settling - dt)
         self._show_failure = max(0.0, self._show_failure - dt)
         wrench, tool = inputs[WRENCH_EXTERNAL].message, inputs[STATE_EE].message
-        measured = np.concatenate((wrench.force, wrench.torque))
+        measured = self._measured = np.concatenate((wrench.force, wrench.torque))
+        self._error_bound = wrench.error_bound
         if self._target is not None:
             self._agreement.follow(self._limit, self._nominal, dt)
-            margin = self._limit - np.abs(measured - self._nominal) - wrench.error_bound
-            self._margin = np.maximum(margin, -_ABSURD)
         holding = self._holding()
         if holding is not None:
             return self._rest(*holding, dt)
         return self._decide(measured, wrench, tool, dt)
 
-    def brake(self, fault: Fault, dt: float) -> list[Output]:
+    def brake(self, fault: Fault, dt: float) -> Iterator[Output]:
         """A twist of zero, and why."""
         self._latch.fault(fault, dt)
         if self._latch.reason:
@@ -146,7 +145,7 @@ class Controller:
         restarted = self._robot_session not in (None, session)
         self._robot_session = session
         if restarted:
-            self._target, self._restarted, self._margin = None, True, _ZERO
+            self._target, self._restarted = None, True
         if target is None or not target.new or not target.header.valid:
             return
         # The loop has watched the restarted robot for the whole start-up: what is older was meant for the one before.
@@ -174,7 +173,9 @@ class Controller:
             return "waiting", "the timing was changed: resting until it holds for everything commanded"
         return None
 
-    def _decide(self, measured: Array, wrench: ExternalWrench, tool: EndEffector, dt: float) -> list[Output]:
+    def _decide(
+        self, measured: Array, wrench: ExternalWrench, tool: EndEffector, dt: float
+    ) -> Iterator[Output]:
         assert self._target is not None
         nominal = self._agreement.nominal
         output = self.law.step(
@@ -196,25 +197,32 @@ class Controller:
                 self._show_failure = _SHOWN_FOR
             return self._outputs("braking", output.failure, output)
         reason = self._refused if self._refused != self._refused_before else ""
-        return self._outputs("yielding" if output.yielding else "tracking", reason, output)
+        return self._outputs(None, reason, output)
 
-    def _rest(self, state: str, reason: str, dt: float) -> list[Output]:
+    def _rest(self, state: str, reason: str, dt: float) -> Iterator[Output]:
         self.law.brake(dt)
         return self._outputs(state, reason, LawOutput(_ZERO))
 
-    def _outputs(self, state: str, reason: str, output: LawOutput) -> list[Output]:
+    def _outputs(self, state: str | None, reason: str, output: LawOutput) -> Iterator[Output]:
+        """The command, then the status, made after the command has left; the law moves if ``state`` is None."""
         # The time to live is what makes T true: the robot drops a command that is older.
         twist = output.twist.tolist()
-        command = TwistCommand(twist[:3], twist[3:], ttl=self._settings.period)
+        yield Output(COMMAND_EE_TWIST, TwistCommand(twist[:3], twist[3:], ttl=self._settings.period))
         status = ControlStatus(
-            state=state,
+            state=state or ("yielding" if output.yielding else "tracking"),
             reason=reason,
             law=self.law.name,
             twist=twist,
-            margin=self._margin,
+            margin=self._margin(),
             active=output.active,
             relaxation=output.relaxation,
             lyapunov=output.lyapunov,
             solve_us=self.law.solve_us,
         )
-        return [Output(COMMAND_EE_TWIST, command), Output(CONTROL_STATUS, status)]
+        yield Output(CONTROL_STATUS, status)
+
+    def _margin(self) -> Array:
+        """What the last measured wrench leaves of the limits (6,) [N, Nm], errors allowed for; 0 without a target."""
+        if self._target is None:
+            return _ZERO
+        return np.maximum(self._limit - np.abs(self._measured - self._nominal) - self._error_bound, -_ABSURD)

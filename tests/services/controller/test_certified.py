@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from services.controller.certificate import certificates
 from services.controller.laws import CertifiedLaw, LawInput, make_law
 from services.controller.qp import QpFailure
-from services.controller.yielding import RoundedYield
+from services.controller.yielding import RoundedYield, YieldInput
 from shared.spatial import Array
 from tests.services.controller import closed_form
 from tests.services.controller.contacts import ERROR, LIMIT, agile, state, unit
@@ -201,6 +201,13 @@ def test_what_is_in_flight_survives_braking_and_a_change_of_law() -> None:
     assert back.travel.in_flight[6] > 0.0
 
 
+def unhindered(law: CertifiedLaw, wrench: Array) -> list[float] | None:
+    """What the rounded form would do if no row held it."""
+    return RoundedYield().step(
+        YieldInput(wrench.tolist(), law.caps, law.bound, law.box.speed, np.zeros(6), law.response_time, 0.01)
+    )
+
+
 def test_yielding_at_rest_keeps_its_direction_or_what_the_rows_leave_of_it() -> None:
     rng = np.random.default_rng(8)
     slow = {"max_linear": 0.02, "max_angular": 0.03, "max_acceleration": (0.5, 1.0, 0.2, 3.0, 0.4, 1.0)}
@@ -214,9 +221,7 @@ def test_yielding_at_rest_keeps_its_direction_or_what_the_rows_leave_of_it() -> 
         wrench[rng.integers(6)] = 1.0
         law = make(yield_start=0.8, **slow)
         law.step(state(wrench * LIMIT * 0.86), 0.01)
-        free = RoundedYield().step(
-            (wrench * LIMIT * 0.86).tolist(), law.caps, law.bound, law.box.speed, law.response_time, 0.01
-        )
+        free = unhindered(law, wrench * LIMIT * 0.86)
         if free is not None and law._y.any():
             kept += 1
             assert law._y / np.linalg.norm(law._y) == pytest.approx(
@@ -243,9 +248,7 @@ def test_yielding_at_rest_keeps_the_rows_with_everything_in_flight() -> None:
         flight = law.travel.in_flight
         room = most - np.concatenate((wrench, -wrench)) - law._M @ flight
         assert np.all(law.parameters.period * law._M @ y <= np.maximum(room, 0.0) + 1e-9)
-        free = RoundedYield().step(
-            wrench.tolist(), law.caps, law.bound, law.box.speed, law.response_time, 0.01
-        )
+        free = unhindered(law, wrench)
         shortened += free is not None and not np.allclose(law._y, free)
     assert shortened > 20
 
