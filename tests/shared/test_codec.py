@@ -12,10 +12,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from shared.codec import MAP_CAP, Rejected, decode, decode_map, encode, encode_map
+from shared.codec import MAP_CAP, Payload, Rejected, decode, decode_map, encode, encode_map
 from shared.fields import InvalidField, Kind, Number, Vector
-from shared.messages import ControlTarget, ExternalWrench, FtSample
+from shared.messages import ControlTarget, ExternalWrench, FtSample, GripperState, Header
 from shared.records import MapOf, Record, RecordOf
+from shared.sim_messages import BagState
 from tests.shared.strategies import MESSAGES, any_plain, payload_map
 
 every_message = pytest.mark.parametrize("message", MESSAGES, ids=lambda message: message.__name__)
@@ -234,3 +235,18 @@ def test_length_claims_beyond_the_payload_are_rejected() -> None:
 @given(st.dictionaries(st.text(st.characters(exclude_categories=("Cs",))), any_plain, max_size=5))
 def test_requests_and_replies_survive(data: dict[str, Any]) -> None:
     assert repr(decode_map(encode_map(data))) == repr(data)
+
+
+def test_within_a_process_readers_share_the_message_that_was_encoded() -> None:
+    header, message = Header(1, 2, 3, True), BagState(1.0, 0.5)
+    payload = Payload.of(message, header)
+    assert decode(BagState, payload) == (header, message)
+    assert decode(BagState, bytes(payload))[1].height == 0.5
+
+
+def test_a_payload_that_carries_another_message_or_is_too_long_is_refused_as_ever() -> None:
+    payload = Payload.of(BagState(1.0, 0.5), Header(1, 2, 3, True))
+    with pytest.raises(Rejected, match="missing"):
+        decode(GripperState, payload)
+    with pytest.raises(Rejected, match="at most 10"):
+        decode(BagState, payload, cap=10)
