@@ -38,8 +38,8 @@ class Caps:
         threshold: (6,) up to which a measured wrench makes nothing yield: theta, or the wall in the strict form.
         most: C (6,), cap that nothing may pass at rest: W, and in the rounded form up to 2 eps less.
         wall: C + 2 eps (6,): at rest no measured wrench is larger, so a larger one proves that the environment moved.
-        levels: (2, 12) caps of the twelve rows, without and with the reserve, as long as nothing yields;
-            another array whenever they change.
+        levels: (3, 12) caps of the twelve rows for the next period, lasting, and lasting with the reserve, as long as
+            nothing yields; another array whenever they change.
     """
 
     def __init__(self, reserve: float, yield_start: float) -> None:
@@ -50,8 +50,8 @@ class Caps:
         self.refusal: str | None = None
         self.force = [0.0] * 3
         self.wall = self.start = self.room = self.most = self.threshold = [0.0] * 6
-        self.levels = np.zeros((2, 12))
-        self._levels_beyond = np.zeros((2, 12))
+        self.levels = np.zeros((3, 12))
+        self._levels_beyond = np.zeros((3, 12))
         self._kept = np.zeros(12)
 
     def update(self, limit: Array, error_bound: Array) -> None:
@@ -81,7 +81,7 @@ class Caps:
         # rho_i = max(reserve W_i, 3 eps_i): a smaller one would vanish in the measurement's error.
         self._kept = np.tile(np.maximum(self._reserve * W, 3.0 * error_bound), 2)
         self.levels = self._fill(
-            np.empty((2, 12)), self.rounded([0.0] * 6) if self._rho < 1.0 else W.tolist()
+            np.empty((3, 12)), self.rounded([0.0] * 6) if self._rho < 1.0 else W.tolist()
         )
 
     def rounded(self, h: list[float]) -> list[float]:
@@ -93,12 +93,12 @@ class Caps:
         ]
 
     def levels_at(self, h: list[float]) -> Array:
-        """The levels (2, 12) of the rounded form while axes are beyond their thresholds by ``h`` (6,)."""
+        """The levels (3, 12) of the rounded form while axes are beyond their thresholds by ``h`` (6,)."""
         return self._fill(self._levels_beyond, self.rounded(h))
 
     def _fill(self, levels: Array, cap: list[float]) -> Array:
-        levels[0] = cap + cap
-        np.subtract(levels[0], self._kept, out=levels[1])
+        levels[:2] = cap + cap
+        np.subtract(levels[0], self._kept, out=levels[2])
         return levels
 
 

@@ -84,6 +84,6 @@ def _approach(parameters: ControllerParameters, limit: Array, caps: Caps, axis: 
             (caps.levels[0][j] / (bound.rows[j][axis] * parameters.horizon), f"limit {AXES[j]}")
             for j in range(6)
         ]
-        own = caps.levels[1][axis] / (bound.rows[axis][axis] * parameters.horizon)
+        own = caps.levels[2][axis] / (bound.rows[axis][axis] * parameters.horizon)
         slowest = min(fastest, *allowed, (own, f"limit {AXES[axis]} less the reserve"))
     return float(slowest[0]), slowest[1]

@@ -25,7 +25,7 @@ from shared.spatial import Array
 
 _GAMMA = 12
 _LYAPUNOV = 12
-_ZERO = np.zeros((2, 12))
+_ZERO = np.zeros(12)
 
 
 class CertifiedLaw(Law):
@@ -52,31 +52,31 @@ class CertifiedLaw(Law):
         self._version = -1
         self._M = np.zeros((12, 12))
         self._scaled = np.zeros((12, 12))
-        # Rooms as speeds, of the next period and lasting (first axis), without and with the reserve (second): per_force
-        # times what the caps leave of [w; path], in one product with [w; path; 1].
-        self._rates = 1.0 / np.array((T, parameters.horizon)).reshape((2, 1, 1, 1))
-        self._largest = np.zeros((2, 1, 6))
-        self._per_force = np.zeros((2, 2, 12))
-        self._room_matrix = np.zeros((48, 19))
+        # Rooms as speeds, of the next period, lasting, and lasting with the reserve: per_force times what the caps
+        # leave of [w; path], in one product with [w; path; 1].
+        self._rates = 1.0 / np.array((T, parameters.horizon, parameters.horizon)).reshape((3, 1, 1))
+        self._largest = np.zeros((3, 1, 6))
+        self._per_force = np.zeros((3, 12))
+        self._room_matrix = np.zeros((36, 19))
         self._load = np.ones(19)
         self._path = self._load[6:18]
-        self._rooms = np.zeros((2, 2, 12))
+        self._rooms = np.zeros((3, 12))
         self._flat_rooms = self._rooms.ravel()
         self._opened = np.full((2, 12), UNBOUNDED)  # how far the lasting rooms are in use
         self._levels: Array | None = None  # those that the offset was made for
         self._tightest = 0.0
         self._y = np.zeros(6)
         self._y_speeds = np.zeros(12)
-        self._now = np.zeros((2, 12))
+        self._room = np.zeros(12)
         # Views of arrays that are written in place.
-        flat, matrix = self._M.ravel(), self._room_matrix.reshape((2, 2, 12 * 19))
+        flat, matrix = self._M.ravel(), self._room_matrix.reshape((3, 12 * 19))
         self._each_sense = self._M.reshape((2, 6, 2, 6))
         self._along = flat[6:72:13], flat[72::13]  # row i by motion along +i, row 6 + i by motion along -i
         self._of_force = matrix[..., : 6 * 19 : 20], matrix[..., 6 * 19 :: 20]  # row i and row 6 + i by w_i
-        matrix = self._room_matrix.reshape((2, 2, 12, 19))
-        self._of_path, self._offset = matrix[0, ..., 6:18], matrix[..., 18]
-        self._next, self._lasting = self._rooms
-        self._room, self._reserved = self._now
+        matrix = self._room_matrix.reshape((3, 12, 19))
+        self._of_path, self._offset = matrix[0, :, 6:18], matrix[..., 18]
+        self._next, self._lasting = self._rooms[0], self._rooms[1:]
+        self._usable, self._reserved = self._opened
         self._excess, self._upper, self._right = self.qp.excess[:12], self.qp.upper[:12], self.qp.right[:12]
         self._pull = self.qp.cost[:12]
         self._lyapunov = self.qp.rows[_LYAPUNOV, :12]
@@ -106,7 +106,7 @@ class CertifiedLaw(Law):
         try:
             speeds, failure = self._solve(error, length, yields), None
         except QpFailure as problem:
-            speeds, failure = _ZERO[0], self._recorded(problem)  # y alone needs no solver
+            speeds, failure = _ZERO, self._recorded(problem)  # y alone needs no solver
             self._excess.fill(0.0)
         v = speeds[6:] - speeds[:6]
         if yields:
@@ -135,12 +135,12 @@ class CertifiedLaw(Law):
         # Both kinds of rows as speeds: a general row divided by its largest element (low_i <= Kbar_ii), a reserve row
         # by its only one.
         largest, per_force = self._largest, self._per_force
-        largest[0], largest[1] = [max(row) for row in bound.rows], K.diagonal()
-        np.divide(self._rates, largest, out=per_force.reshape((2, 2, 2, 6)))
+        largest[:2], largest[2] = [max(row) for row in bound.rows], K.diagonal()
+        np.divide(self._rates, largest, out=per_force.reshape((3, 2, 6)))
         growing, falling = self._of_force
         against = -per_force
         growing[:], falling[:] = against[..., :6], per_force[..., 6:]
-        np.multiply(against[0][..., None], M, out=self._of_path)  # what is in flight stops no lasting speed
+        np.multiply(against[0][:, None], M, out=self._of_path)  # what is in flight stops no lasting speed
         self._levels = None
         np.divide(M.reshape((2, 6, 12)), largest[0].T, out=self._scaled.reshape((2, 6, 12)))
         self.qp.rows[:12, :12] = self._scaled
@@ -188,13 +188,13 @@ class CertifiedLaw(Law):
     def _rows(self, state: LawInput, yields: bool, dt: float) -> bool:
         """Room of every row as a speed, and the upper bounds of q and p; returns whether a row has none at all.
 
-        ``T M [q; p] <= max(0, A - (+-w) - M (s + T y))``, and with the reserve ``T d_i q_i <= max(0, ... - rho_i)``.
-        The same with ``T + d + tau`` for T and without s is the speed that can be kept up without being stopped by s
-        later; taking the smaller of both only tightens the rows and makes an approach smooth. Room that has come back
-        is used little by little, over a response time: taken at once, it would be gone again before the wrench shows
-        it, and the tool would hunt along a contact.
+        ``T M [q; p] <= max(0, A - (+-w) - M (s + T y))``. The same with ``T + d + tau`` for T and without s is the
+        speed that can be kept up without being stopped by s later; taking the smaller of both only tightens the rows
+        and makes an approach smooth. The reserve, ``(T + d + tau) d_i q_i <= max(0, A_i - (+-w_i) - rho_i)``, is of
+        this kind alone: with s in it, motions would take turns. Room that has come back is used little by little, over
+        a response time: taken at once, it would be gone again before the wrench shows it, and the tool would hunt.
         """
-        load, now = self._load, self._now
+        load, room = self._load, self._room
         load[:6] = state.wrench
         path = self._path
         path[:] = self.travel.in_flight
@@ -213,9 +213,9 @@ class CertifiedLaw(Law):
         opened += share * lasting
         np.minimum(opened, lasting, out=opened)
         np.maximum(opened, _ZERO, out=opened)
-        np.minimum(self._next, opened, out=now)
-        self._tightest = min(self._room.tolist())
-        np.maximum(now, _ZERO, out=now)
+        np.minimum(self._next, self._usable, out=room)
+        self._tightest = min(room.tolist())
+        np.maximum(room, _ZERO, out=room)
         upper = self._upper
         if yields:  # the speed box leaves what y does not use; y against a direction frees none of it
             np.subtract(self.box.reach, self._y_speeds, upper)

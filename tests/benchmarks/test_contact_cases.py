@@ -138,3 +138,21 @@ def test_the_robot_of_the_world_turns_as_commanded() -> None:
     robot.command(0.0, np.array((0.0, 0.0, 0.0, 0.0, 0.0, 1.0)), 0.5)
     robot.advance(0.0, 2.0, 0.002)
     np.testing.assert_allclose(robot.rotation, rotation_from_vector((0.0, 0.0, 0.5)), atol=1e-9)
+
+
+@pytest.mark.parametrize("number", [12, 13, 18, 19, 48, 49, 54, 55, 84, 85, 90, 91])
+def test_a_pull_on_the_hardest_lever_calms_down(number: int) -> None:
+    """As stiff as declared, across the axis with the smallest limit, and with nothing to spare in time."""
+    job = Job(0, "steady pull", number, ("certified-rounded", "paper"))
+    case = job.case()
+    assert case.contacts[0].law.stiffness == pytest.approx(case.declared.contact_stiffness)
+    ours, theirs = (row.result for row in run_job(job))
+    assert not ours.sustained
+    assert ours.peak < 0.7 * theirs.peak
+
+
+def test_room_that_comes_back_does_not_make_the_tool_hunt() -> None:
+    """Pressed obliquely on a stiff spring under delay, it once moved to and fro while it crept to its target."""
+    for row in run_job(Job(0, "stiff-clever", 22, ("certified", "certified-rounded"))):
+        assert not row.result.sustained and row.result.swing[1] < 0.5
+        assert row.result.peak <= OVER and row.result.travelled > 0.01

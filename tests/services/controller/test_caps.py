@@ -16,7 +16,7 @@ def test_strict_caps_are_limit_less_error_and_reserve() -> None:
     assert caps.levels[0] == pytest.approx(np.tile(W, 2), rel=1e-2)
     assert np.all(caps.levels[0] <= np.tile(W, 2)), "an error bound is only ever widened"
     reserve = np.tile(np.maximum(0.1 * W, 3 * ERROR), 2)
-    assert caps.levels[0] - caps.levels[1] == pytest.approx(reserve, rel=0.03)
+    assert caps.levels[0] - caps.levels[2] == pytest.approx(reserve, rel=0.03)
 
 
 def test_rounded_caps_keep_the_distance_within_one() -> None:
