@@ -122,8 +122,8 @@ def _as_text(
         "",
         f"Speeds scale with 1/(stiffness x {parameters.horizon * 1e3:g} ms); the largest share of the time is the "
         f"{name} ({longest / parameters.horizon:.0%}).",
-        f"Excess: {MOVING_FACTOR:g} x stiffness x speed of the environment x response time, beyond the limit, until "
-        "the tool moves with it.",
+        f"Excess, measured and not proven: {MOVING_FACTOR:g} x stiffness x speed of the environment x (response time + "
+        "time to speed up), beyond the limit, until the tool moves with it.",
     ]
     return "\n".join(lines)
 

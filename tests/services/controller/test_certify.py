@@ -50,7 +50,8 @@ def test_delay_and_lag_count_like_the_period() -> None:
 def test_excess_grows_with_the_environment_s_speed() -> None:
     parameters = ControllerParameters.of(PANEL)
     slow, fast = (certificates(parameters, LIMIT, ERROR, speed) for speed in (0.1, 0.2))
-    assert [one.excess for one in fast] == pytest.approx([2 * one.excess for one in slow])
+    # Twice the speed, and twice as long to speed up to it.
+    assert all(2 * one.excess < other.excess < 4 * one.excess for one, other in zip(slow, fast, strict=True))
     assert all(one.excess > 0 for one in slow)
 
 
