@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from services.controller.agreement import Agreement
-from services.controller.latch import SensorLatch
 from services.controller.laws import LawInput, LawOutput, make_law
 from services.controller.parameters import ControllerParameters
 from services.controller.qp import Timer, no_timer
 from shared.faults import Fault
+from shared.halt import Halt
 from shared.messages import ControlStatus, ControlTarget, EndEffector, ExternalWrench, TwistCommand
 from shared.parameters import Parameters, Refused
 from shared.service import Inputs, Output, Wiring
@@ -62,7 +62,7 @@ class Controller:
         self.max_delay = parameters.delay
         self._timer = timer
         self.law = make_law(parameters, timer)
-        self._latch = SensorLatch()
+        self._halt = Halt()
         self._agreement = Agreement()
         self._target: ControlTarget | None = None
         self._robot_session: int | None = None
@@ -70,7 +70,6 @@ class Controller:
         self._limit = self._nominal = _ZERO
         self._target_rotation = np.eye(3)
         self._refused = self._refused_before = ""
-        self._stopped: str | None = None
         self._settling = 0.0
         self._measured = self._error_bound = _ZERO
         self._failures = 0
@@ -93,9 +92,9 @@ class Controller:
 
     def brake(self, fault: Fault, dt: float) -> Iterator[Output]:
         """A twist of zero, and why."""
-        self._latch.fault(fault, dt)
-        if self._latch.reason:
-            return self._rest("braking", self._latch.reason, dt)
+        self._halt.fault(fault, dt)
+        if self._halt.latched:
+            return self._rest("braking", self._halt.latched, dt)
         return self._rest("waiting" if fault.waiting else "braking", fault.text, dt)
 
     def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
@@ -131,14 +130,7 @@ class Controller:
 
     def _listen(self, inputs: Inputs) -> None:
         """Take in a new target or stop; forget the target if the robot has restarted."""
-        stop = inputs.get(STOP)
-        if stop is not None and stop.new:
-            if stop.message.engaged:
-                self._stopped = stop.message.reason or "no reason given"
-            elif stop.header.valid:  # whoever does not trust himself may stop, but not release
-                self._stopped = None
-                self._latch.release()
-        self._latch.healthy()
+        self._halt.listen(inputs)
         self._refused = inputs.refusals(CONTROL_TARGET)
         target = inputs.get(CONTROL_TARGET)
         session = inputs[STATE_EE].header.session
@@ -160,10 +152,8 @@ class Controller:
 
     def _holding(self) -> tuple[str, str] | None:
         """State and reason if the inputs are healthy but the tool has to rest all the same."""
-        if self._latch.reason:
-            return "braking", self._latch.reason
-        if self._stopped is not None:
-            return "braking", f"stop is engaged: {self._stopped}"
+        if reason := self._halt.reason:
+            return "braking", reason
         if self._target is None:
             refused = f": {self._refused}" if self._refused else ""
             if self._restarted:

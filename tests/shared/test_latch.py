@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from services.controller.latch import SensorLatch
 from shared import faults
 from shared.faults import Fault
+from shared.latch import SensorLatch
 from shared.topics import STATE_EE, WRENCH_EXTERNAL
 
 WRENCH = WRENCH_EXTERNAL.key
