@@ -10,7 +10,14 @@ import pytest
 from shared.clock import SteadyClock, nanoseconds, seconds
 from tests.support.processes import ROOT
 
-CONTROLS = ("shared", "services/controller", "services/router", "services/sim", "services/wrench")
+CONTROLS = (
+    "shared",
+    "services/base",
+    "services/controller",
+    "services/router",
+    "services/sim",
+    "services/wrench",
+)
 SOURCES = [path for folder in CONTROLS for path in sorted((ROOT / folder).rglob("*.py"))]
 WALL_CLOCK = {
     ("time", "time"),

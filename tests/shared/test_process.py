@@ -79,7 +79,7 @@ def test_any_start_order(start: StartProcess, order: tuple[str, ...]) -> None:
         ends_in_time(process, signal.SIGTERM)
 
 
-@pytest.mark.parametrize("service", ["wrench", "controller", "sim"])
+@pytest.mark.parametrize("service", ["wrench", "controller", "base", "sim"])
 def test_a_bad_setting_is_one_line_and_status_2(start: StartProcess, service: str) -> None:
     process = start(f"services.{service}", "--set", "no_such_parameter=1")
     assert process.wait(20.0) == 2

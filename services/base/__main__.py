@@ -1,0 +1,5 @@
+"""``python -m services.base``."""
+
+from shared.entry import enter
+
+enter("services.base.main")

@@ -1,0 +1,174 @@
+"""The base service: one base twist per external wrench."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from services.base.admittance import REST, Admittance, SpeedLimits
+from services.base.parameters import BaseParameters
+from services.base.planar_wrench import Planar, about_base, beyond, error_about_base
+from shared.faults import SHUTDOWN, Fault
+from shared.halt import Halt
+from shared.messages import BaseStatus, BaseTwistCommand, RobotStatus
+from shared.parameters import Parameters, Refused
+from shared.service import Inputs, Output, Wiring
+from shared.topics import (
+    BASE_ENABLE,
+    BASE_PARAMETERS,
+    BASE_STATUS,
+    COMMAND_BASE_TWIST,
+    STATE_EE,
+    STATE_ROBOT,
+    STOP,
+    WRENCH_EXTERNAL,
+    Query,
+)
+
+TTL = 0.1
+"""Time [s] for which the robot may execute a command: three of the longest periods of a wrench."""
+
+
+class Base:
+    """Lets the external wrench push the base about while ``base/enable`` says so; otherwise brings it to rest.
+
+    The velocity is the one commanded: what the wheels make of it is not fed back. Whatever was braking for long enough
+    to have to wait for healthy inputs again begins from rest, since no robot executes commands that are marked invalid.
+    """
+
+    wiring = Wiring(
+        name="base",
+        driver=WRENCH_EXTERNAL,
+        required=(WRENCH_EXTERNAL, STATE_EE, STATE_ROBOT),
+        optional=(BASE_ENABLE, STOP),
+        parameters=BASE_PARAMETERS,
+    )
+
+    def __init__(self, parameters: BaseParameters) -> None:
+        self.apply(parameters)
+        self._halt = Halt()
+        self._sessions: tuple[int, int] | None = None
+        self._outdated = False
+        self._wrench: Planar = REST
+        self._velocity: Planar = REST
+        self._unused = 0.0
+        self._note = ""
+
+    def step(self, inputs: Inputs, dt: float) -> Iterator[Output]:
+        """The velocity that the newest wrench leads to, then the status."""
+        self._unused = dt
+        self._halt.listen(inputs)
+        drive = self._feel(inputs)
+        robot = inputs[STATE_ROBOT].message
+        enabled = self._enabled(inputs)
+        stopped = f"the robot is stopped: {robot.reason}" if robot.mode == "stopped" else ""
+        self._note = self._halt.reason or stopped
+        following = enabled and not self._note
+        if following:
+            velocity = self._body.follow(self._velocity, drive, self._limits(robot), dt)
+            if not (robot.max_base > 0.0).any():
+                self._note = f"{STATE_ROBOT.key}.max_base is zero: the base cannot move"
+        else:
+            velocity = self._body.brake(self._velocity, dt)
+        # A robot that begins to allow less is obeyed at once, whatever deceleration that takes.
+        self._velocity, self._unused = _allowed_by(robot).clip(velocity), 0.0
+        return self._outputs("following" if following else self._resting())
+
+    def brake(self, fault: Fault, dt: float) -> Iterator[Output]:
+        """A velocity closer to rest."""
+        self._halt.fault(fault, dt)
+        self._note = self._halt.latched
+        # The last word of a process is zero: nobody would send the rest of the way down.
+        if fault.waiting or fault is SHUTDOWN:
+            self._velocity = REST
+        else:
+            # A step that failed has let its time pass without slowing down.
+            self._velocity = self._body.brake(self._velocity, dt + self._unused)
+        self._unused = 0.0
+        return self._outputs(self._resting() if fault.waiting else "braking")
+
+    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
+        """There is none besides the parameters.
+
+        Raises:
+            Refused: always.
+        """
+        raise Refused(f"{query.key} is not served by the base")
+
+    def apply(self, parameters: Parameters) -> None:
+        """Take over parameters; the velocity goes on from where it is."""
+        assert isinstance(parameters, BaseParameters)
+        self.parameters: Parameters = parameters
+        self._settings = parameters
+        self.max_delay = parameters.max_delay
+        self._body = Admittance(
+            parameters.mass,
+            parameters.inertia,
+            parameters.damping_linear,
+            parameters.damping_angular,
+            parameters.max_linear_acceleration,
+            parameters.max_angular_acceleration,
+        )
+
+    def notes(self) -> str:
+        """Why the base rests although the task may have enabled it."""
+        return self._note
+
+    def _feel(self, inputs: Inputs) -> Planar:
+        """The wrench about the base's origin, beyond the dead band."""
+        wrench, position = inputs[WRENCH_EXTERNAL].message, inputs[STATE_EE].message.position.tolist()
+        felt = about_base(wrench.force.tolist(), wrench.torque.tolist(), position)
+        if not math.isfinite(felt[2]):
+            raise ArithmeticError("the wrench carried over to the base's origin is not finite")
+        self._wrench = felt
+        ex, ey, ez = error_about_base(wrench.error_bound.tolist(), position)
+        force, torque = self._settings.dead_band_force, self._settings.dead_band_torque
+        return beyond(felt, (max(force, ex), max(force, ey), max(torque, ez)))
+
+    def _enabled(self, inputs: Inputs) -> bool:
+        """Whether the task enables the base: recently, and for the robot as it is since its last restart."""
+        enable = inputs.get(BASE_ENABLE)
+        sessions = inputs[STATE_EE].header.session, inputs[STATE_ROBOT].header.session
+        restarted = self._sessions not in (None, sessions)
+        self._sessions = sessions
+        if enable is None:
+            return False
+        if restarted:
+            # The loop has watched the restarted robot for the whole start-up: what is older was meant for the other.
+            self._outdated = enable.age > self.wiring.startup
+        elif enable.new:
+            self._outdated = False
+        fresh = not self._outdated and enable.age <= BASE_ENABLE.max_age
+        return fresh and enable.header.valid and enable.message.enabled
+
+    def _limits(self, robot: RobotStatus) -> SpeedLimits:
+        """What the parameters and the robot allow together."""
+        own, allowed = self._settings, _allowed_by(robot)
+        differential = robot.base_type == "differential"
+        forwards = min(own.max_linear, allowed.forwards)
+        return SpeedLimits(
+            forwards=forwards,
+            backwards=min(forwards, own.max_reverse) if differential else forwards,
+            sideways=min(own.max_linear, allowed.sideways),
+            linear=own.max_linear,
+            angular=min(own.max_angular, allowed.angular),
+        )
+
+    def _resting(self) -> str:
+        """State in which a person is needed, or the base still moves, or simply rests."""
+        return "braking" if self._halt.latched or any(self._velocity) else "off"
+
+    def _outputs(self, state: str) -> Iterator[Output]:
+        """The command, then the status, made after the command has left."""
+        velocity = np.array(self._velocity)
+        yield Output(COMMAND_BASE_TWIST, BaseTwistCommand(velocity, ttl=TTL))
+        yield Output(BASE_STATUS, BaseStatus(state, np.array(self._wrench), velocity))
+
+
+def _allowed_by(robot: RobotStatus) -> SpeedLimits:
+    """``state/robot.max_base`` alone; the wheels of a differential base allow nothing sideways."""
+    vx, vy, wz = (max(0.0, speed) for speed in robot.max_base.tolist())
+    return SpeedLimits(vx, vx, 0.0 if robot.base_type == "differential" else vy, math.inf, wz)
