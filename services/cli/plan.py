@@ -16,7 +16,8 @@ from services.cli.refusal import refuse
 from shared.bus_zenoh import DEFAULT_ENDPOINT
 
 ROUTER = "router"
-SERVICES = ("sim", "wrench", "controller")  # in order of start; any order works
+SERVICES = ("sim", "wrench", "controller")  # of every stack, in order of start; any order works
+FURTHER = ("base",)  # a stack has them if it is told so
 
 
 @dataclass(frozen=True)
@@ -27,14 +28,20 @@ class Plan:
     endpoint: str
     config: Path | None = None
     settings: dict[str, list[str]] = field(default_factory=dict)
+    further: tuple[str, ...] = ()
+
+    @property
+    def services(self) -> tuple[str, ...]:
+        """All services of the stack."""
+        return (*SERVICES, *self.further)
 
     def router_arguments(self) -> list[str]:
         """Command line of the router."""
         return ["--listen", self.endpoint]
 
     def arguments(self, service: str) -> list[str]:
-        """Command line of one service; KeyError if it is no part of a stack."""
-        if service not in SERVICES:
+        """Command line of one service; KeyError if it can be no part of a stack."""
+        if service not in (*SERVICES, *FURTHER):
             raise KeyError(service)
         arguments = ["--robot", self.robot, "--connect", self.endpoint]
         if self.config:
@@ -47,7 +54,11 @@ class Plan:
         """Writes the options down, so that `tandem start` and `tandem status` know them."""
         path = _memory(self.robot, self.endpoint)
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        stored = {"config": str(self.config.resolve()) if self.config else None, "settings": self.settings}
+        stored = {
+            "config": str(self.config.resolve()) if self.config else None,
+            "settings": self.settings,
+            "further": self.further,
+        }
         path.write_text(json.dumps(stored), encoding="utf-8")
 
     def forget(self) -> None:
@@ -61,7 +72,8 @@ def remembered(robot: str, endpoint: str) -> Plan | None:
         stored = json.loads(_memory(robot, endpoint).read_text(encoding="utf-8"))
     except (FileNotFoundError, json.JSONDecodeError):
         return None
-    return Plan(robot, endpoint, Path(stored["config"]) if stored["config"] else None, stored["settings"])
+    config = Path(stored["config"]) if stored["config"] else None
+    return Plan(robot, endpoint, config, stored["settings"], tuple(stored.get("further", ())))
 
 
 def parse_settings(settings: Sequence[str]) -> dict[str, list[str]]:
@@ -72,12 +84,19 @@ def parse_settings(settings: Sequence[str]) -> dict[str, list[str]]:
         service, dot, key = name.strip().partition(".")
         if not (equals and dot and key):
             refuse(f"--set {setting!r}: wanted SERVICE.NAME=VALUE, such as --set 'controller.law=\"paper\"'")
-        if service not in SERVICES:
-            refuse(
-                f"--set {setting!r}: {service!r} is no service of the stack; choose from {', '.join(SERVICES)}"
-            )
+        if service not in (*SERVICES, *FURTHER):
+            choice = ", ".join((*SERVICES, *FURTHER))
+            refuse(f"--set {setting!r}: {service!r} is no service of the stack; choose from {choice}")
         table.setdefault(service, []).append(f"{key}={value.strip()}")
     return table
+
+
+def check_further(services: Sequence[str]) -> tuple[str, ...]:
+    """The services, each once, if a stack can have them."""
+    for service in services:
+        if service not in FURTHER:
+            refuse(f"--with {service!r}: choose from {', '.join(FURTHER)}")
+    return tuple(dict.fromkeys(services))
 
 
 def check_config(path: Path | None) -> Path | None:

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 from services.cli.children import Child, Children
-from services.cli.plan import ROUTER, SERVICES, Plan
+from services.cli.plan import ROUTER, Plan
 from services.cli.refusal import refuse
 
 EARLY = 0.3  # [s] within which a process that cannot work with its options ends
@@ -23,7 +23,7 @@ class Stack:
         self.processes: dict[str, Child] = {}
         if with_router:
             self.processes[ROUTER] = children.start(_child(ROUTER, plan.router_arguments(), plan, logs))
-        for service in SERVICES:
+        for service in plan.services:
             child = _child(service, plan.arguments(service), plan, logs)
             self.processes[service] = children.start(child)
         plan.remember()

@@ -29,7 +29,7 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
             time.sleep(0.05)
         living = watch.living()
         heard = watch.health()
-        rows = diagnose.rows(living, heard, SERVICES)
+        rows = diagnose.rows(living, heard, SERVICES if known is None else known.services)
         if known is None:
             rows = [
                 row if row.service in living | set(heard) else diagnose.never_seen(row.service)

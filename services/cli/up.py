@@ -21,10 +21,12 @@ from services.cli.interrupt import stop_event
 from services.cli.options import DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.plan import (
     DEFAULT_ENDPOINT,
+    FURTHER,
     ROUTER,
     SERVICES,
     Plan,
     check_config,
+    check_further,
     check_port,
     parse_settings,
     remembered,
@@ -51,6 +53,9 @@ Set = Annotated[
     list[str],
     typer.Option("--set", help="SERVICE.NAME=VALUE in TOML, e.g. 'controller.law=\"paper\"'; repeatable."),
 ]
+With = Annotated[
+    list[str], typer.Option("--with", help=f"A further service: {', '.join(FURTHER)}; repeatable.")
+]
 
 
 def up(
@@ -58,9 +63,10 @@ def up(
     router: Router = DEFAULT_ENDPOINT,
     config: Config = None,
     settings: Set = [],  # noqa: B006 - typer copies it
+    further: With = [],  # noqa: B006
 ) -> None:
     """Start a stack (router, simulated robot, wrench, controller) and show its state until Ctrl-C."""
-    plan = Plan(robot, router, check_config(config), parse_settings(settings))
+    plan = Plan(robot, router, check_config(config), parse_settings(settings), check_further(further))
     check_port(router)
     stop = stop_event()
     with Children() as children:
@@ -82,15 +88,16 @@ def up(
 
 
 def start(
-    service: Annotated[str, typer.Argument(help="router, sim, wrench or controller")],
+    service: Annotated[str, typer.Argument(help="router, sim, wrench, controller or base")],
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,
     config: Config = None,
     settings: Annotated[list[str], typer.Option("--set", help="NAME=VALUE in TOML; repeatable.")] = [],  # noqa: B006
 ) -> None:
     """Run one service in the foreground with the options of the stack that it belongs to."""
-    if service not in (ROUTER, *SERVICES):
-        refuse(f"{service!r} is no service of the stack; choose from {', '.join((ROUTER, *SERVICES))}")
+    choice = (ROUTER, *SERVICES, *FURTHER)
+    if service not in choice:
+        refuse(f"{service!r} is no service of the stack; choose from {', '.join(choice)}")
     known = remembered(robot, connect)
     plan = Plan(robot, connect, check_config(config), {service: settings})
     if known is not None:
@@ -133,7 +140,7 @@ def _log(stack: Stack, watch: Watch, stop: threading.Event, head: str) -> None:
 
 def _rows(stack: Stack, watch: Watch) -> list[Row]:
     router = stack.processes.get(ROUTER)
-    rows = diagnose.rows(watch.living(), watch.health(), SERVICES)
+    rows = diagnose.rows(watch.living(), watch.health(), stack.plan.services)
     rows = [_with_process(row, stack.processes.get(row.service)) for row in rows]
     if router is not None:
         up = router.status is None

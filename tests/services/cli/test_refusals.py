@@ -39,6 +39,7 @@ def tandem(*arguments: str) -> subprocess.CompletedProcess[str]:
         ),
         (["up", "--set", "law=1"], "--set 'law=1': wanted SERVICE.NAME=VALUE"),
         (["up", "--set", "viewer.x=1"], "'viewer' is no service of the stack"),
+        (["up", "--with", "sim"], "--with 'sim': choose from base"),
         (["up", "--config", "/nowhere.toml"], "--config /nowhere.toml: No such file"),
         (["up", "--router", "udp/127.0.0.1:1"], "wanted tcp/HOST:PORT"),
         (["start", "viewer"], "'viewer' is no service of the stack; choose from router, sim"),

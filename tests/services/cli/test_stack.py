@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from services.cli.plan import SERVICES
+from services.cli.plan import FURTHER, SERVICES
 from tests.services.cli.test_children import exists
 from tests.services.cli.test_refusals import tandem
 from tests.support.ports import free_endpoint
@@ -20,6 +20,7 @@ from tests.support.wait import eventually
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 PATIENCE = 60.0  # [s]
+ALL = (*SERVICES, *FURTHER)
 
 
 def pids(endpoint: str) -> dict[str, int]:
@@ -39,9 +40,9 @@ def endpoint() -> str:
 @pytest.fixture(scope="module")
 def stack(endpoint: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Process]:
     output = tmp_path_factory.mktemp("up") / "output"
-    with Process("services.cli", ["up", "--router", endpoint], output) as process:
+    with Process("services.cli", ["up", "--with", *FURTHER, "--router", endpoint], output) as process:
         # A busy machine makes the simulation degraded: it is alive all the same.
-        alive = [re.compile(rf" {name}: (ok|degraded)") for name in SERVICES]
+        alive = [re.compile(rf" {name}: (ok|degraded)") for name in ALL]
         eventually(
             lambda: not process.running or all(pattern.search(process.output) for pattern in alive),
             PATIENCE,
@@ -53,9 +54,7 @@ def stack(endpoint: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[P
 
 def test_status_finds_everything_alive(stack: Process, endpoint: str) -> None:
     done = tandem("status", "--connect", endpoint)
-    assert all(re.search(rf"^{name} +(ok|degraded)", done.stdout, re.MULTILINE) for name in SERVICES), (
-        done.stdout
-    )
+    assert all(re.search(rf"^{name} +(ok|degraded)", done.stdout, re.MULTILINE) for name in ALL), done.stdout
 
 
 def test_hz_shows_the_rates(stack: Process, endpoint: str) -> None:
@@ -79,6 +78,12 @@ def test_parameters_are_read_set_and_refused(stack: Process, endpoint: str) -> N
     assert refused.returncode == 1
     assert "max_linear is 99" in refused.stderr
     assert tandem("param", "get", "controller.max_linear", "--connect", endpoint).stdout == "0.2\n"
+
+
+def test_the_base_is_part_of_the_stack_if_asked_for(stack: Process, endpoint: str) -> None:
+    assert tandem("param", "get", "base.mass", "--connect", endpoint).stdout == "10\n"
+    done = tandem("topic", "echo", "base/status", "--count", "1", "--connect", endpoint)
+    assert '"off"' in done.stdout
 
 
 def test_stop_is_latched_until_resume(stack: Process, endpoint: str) -> None:
@@ -118,7 +123,7 @@ def test_a_second_stack_on_the_same_port_is_refused(stack: Process, endpoint: st
 
 def test_everything_ends_with_it(stack: Process, endpoint: str) -> None:
     started = pids(endpoint)
-    assert {"router", "sim", "wrench"} <= started.keys()
+    assert {"router", "sim", "wrench", "base"} <= started.keys()
     stack.signal(signal.SIGINT)
     assert stack.wait(20) == 0
     assert not any(exists(pid) for pid in started.values())

@@ -1,0 +1,34 @@
+"""What makes a stack, and what of it is remembered."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from services.cli.plan import FURTHER, SERVICES, Plan, parse_settings, remembered
+
+ENDPOINT = "tcp/127.0.0.1:7001"
+
+
+def test_further_services_are_part_of_a_stack_only_if_asked_for() -> None:
+    assert Plan("tiago", ENDPOINT).services == SERVICES
+    assert Plan("tiago", ENDPOINT, further=FURTHER).services == (*SERVICES, "base")
+
+
+def test_every_service_can_be_started_whether_or_not_it_is_part_of_the_stack() -> None:
+    plan = Plan("tiago", ENDPOINT, settings=parse_settings(["base.mass=20", "wrench.lowpass_hz=5"]))
+    expected = ["--robot", "tiago", "--connect", ENDPOINT, "--set", "mass=20"]
+    assert plan.arguments("base") == expected
+    with pytest.raises(KeyError):
+        plan.arguments("viewer")
+
+
+def test_a_plan_is_remembered_until_it_is_forgotten(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    plan = Plan("tiago", ENDPOINT, tmp_path / "c.toml", {"base": ["mass=20"]}, ("base",))
+    plan.remember()
+    assert remembered("tiago", ENDPOINT) == plan
+    assert remembered("other", ENDPOINT) is None
+    plan.forget()
+    assert remembered("tiago", ENDPOINT) is None
