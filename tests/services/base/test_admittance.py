@@ -92,6 +92,10 @@ def test_a_speed_limit_of_the_norm_keeps_the_direction() -> None:
     assert WIDE.clip((30.0, 40.0, -50.0)) == pytest.approx((6.0, 8.0, -10.0))
 
 
+def test_what_a_base_cannot_do_takes_no_share_of_its_speed() -> None:
+    assert SpeedLimits(0.4, 0.2, 0.0, 0.4, 0.4).clip((0.9, 0.9, 0.1)) == (0.4, 0.0, 0.1)
+
+
 @pytest.mark.parametrize("kind", ["30", "100", "500", "irregular"])
 def test_braking_takes_speed_over_acceleration_and_keeps_the_direction(kind: str) -> None:
     velocity, time = (0.3, -0.4, 0.6), 0.0

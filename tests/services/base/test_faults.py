@@ -69,6 +69,17 @@ def test_silence_brakes_at_the_acceleration_limit() -> None:
     assert speeds[-1] == pytest.approx(speeds[0] - 0.7 * (times[-1] - times[0]))
 
 
+def test_after_a_fault_that_lasts_it_begins_from_rest() -> None:
+    rig = Rig(max_linear_acceleration=0.05).pushed(duration=4.0)
+    rig.wrench_on = False
+    rig.run(0.3)
+    assert rig.velocity[0] > 0.1, "the robot, which ignores invalid commands, is at rest before the ramp is"
+    rig.wrench_on = True
+    rig.run(0.7)
+    first = next(received for received in rig.commands if received.header.valid)
+    assert 0.0 < first.message.velocity[0] <= 0.05 * 0.011
+
+
 def fail_sensor(rig: Rig, word: str, duration: float) -> None:
     rig.wrench_valid, rig.wrench_fault, rig.period = False, word, lambda: 0.05
     rig.run(duration)
