@@ -41,10 +41,7 @@ class BoxLaw(Law):
         upper = np.minimum(np.maximum(own_upper, -reach[:6]), reach[6:])
         qp.lower[:_GAMMA] = lower
         qp.upper[:_GAMMA] = np.where(upper - lower > CLOSED, upper, lower)
-        # The last variable is (gamma - (lambda/2)|e|^2)/|e|, a speed: (e/|e|).v - it <= 0, it >= -(lambda/2)|e|.
-        qp.rows[0, :_GAMMA] = self._inverse(length) * error
-        qp.lower[_GAMMA] = -0.5 * self.parameters.lyapunov_rate * length
-        qp.cost[_GAMMA] = self.parameters.relaxation_weight * length
+        qp.rows[0, :_GAMMA] = self._relax(qp, length) * error
         try:
             v, failure = np.minimum(np.maximum(qp.solve()[:_GAMMA], lower), upper), None
         except QpFailure as problem:

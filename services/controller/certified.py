@@ -235,11 +235,8 @@ class CertifiedLaw(Law):
             # A closed row fixes every variable that it counts, and need not be passed.
             upper[(self._scaled[shut] > 0.0).any(axis=0)] = 0.0
             self._right[shut] = 1.0
-        inverse = self._inverse(length)
+        inverse = self._relax(qp, length)
         np.multiply(SENSES.dot(error), inverse, self._lyapunov)
-        # The last variable is (gamma - (lambda/2)|e|^2)/|e|, a speed: (e/|e|).v - it <= 0, it >= -(lambda/2)|e|.
-        qp.lower[_GAMMA] = -0.5 * self.parameters.lyapunov_rate * length
-        qp.cost[_GAMMA] = self.parameters.relaxation_weight * length
         if yields:  # |y + p - q|^2 and e.(y + p - q) with y given
             np.multiply(self._y, -2.0, self._pull[:6])
             np.multiply(self._y, 2.0, self._pull[6:])

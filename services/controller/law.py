@@ -15,15 +15,16 @@ from typing import Any
 import numpy as np
 
 from services.controller.parameters import ControllerParameters
-from services.controller.qp import TOLERANCE, QpFailure, Timer, no_timer
+from services.controller.qp import TOLERANCE, Qp, QpFailure, Timer, no_timer
 from services.controller.speed import SpeedBox
 from services.controller.travel import Travel
 from shared.spatial import Array, pose_error
 
 _ABSURD = 1e150
 """A number of this size, or its square, cannot be calculated with."""
-_AT_TARGET = 1e-9
-"""Pose error [m, rad] below which the target is reached and the Lyapunov row says nothing."""
+_AT_TARGET = 1e-7
+"""Pose error [m, rad] below which the target is reached: the Lyapunov row says nothing, since its multiplier would be
+lost in the solver's tolerances."""
 _ZERO = np.zeros(6)
 _UNBOUND = np.full(12, -np.inf)
 
@@ -182,6 +183,15 @@ class Law(ABC):
         self.twist = output.twist = twist
         return output
 
-    def _inverse(self, length: float) -> float:
-        """``1/|e|``: the Lyapunov row divided by the error's norm is a speed like all other rows."""
-        return 1.0 / length if length > _AT_TARGET else 0.0
+    def _relax(self, qp: Qp, length: float) -> float:
+        """``1/length`` of the pose error, 0 at the target; sets bound and cost of the last variable accordingly.
+
+        The variable is ``(gamma - (lambda/2)|e|^2)/|e|``: divided by the error's norm, the Lyapunov row
+        ``(e/|e|).v - it <= 0``, ``it >= -(lambda/2)|e|``, is a speed like all other rows.
+        """
+        if length > _AT_TARGET:
+            qp.lower[-1] = -0.5 * self.parameters.lyapunov_rate * length
+            qp.cost[-1] = self.parameters.relaxation_weight * length
+            return 1.0 / length
+        qp.lower[-1], qp.cost[-1] = 0.0, self.parameters.relaxation_weight
+        return 0.0

@@ -125,3 +125,16 @@ def test_dt_that_is_no_duration_is_no_time() -> None:
     for dt in (math.nan, math.inf, -1.0):
         output = make_law(agile()).step(state(target=[0.3, 0, 0]), dt)
         assert np.isfinite(output.twist).all()
+
+
+@pytest.mark.parametrize("law", ["paper", "stiffness", "certified"])
+@pytest.mark.parametrize("away", [0.0, 1e-15, 1e-12, 1e-10, 1e-8, 1.1e-7, 1e-6])
+def test_at_the_target_the_solver_finds_that_there_is_nothing_to_do(law: str, away: float) -> None:
+    """A pose error that rounding leaves would give the Lyapunov row a multiplier below every tolerance."""
+    law_object = make_law(agile(law=law))
+    for wrench in ([0.0] * 6, [3.0, 0.0, 0.0, 0.0, 0.0, 0.0]):
+        for _ in range(3):
+            output = law_object.step(state(wrench=wrench, position=[away, 0.0, 0.0]), 0.01)
+            assert output.failure is None
+            if law != "stiffness":  # a spring gives way to any wrench
+                assert np.abs(output.twist).max() <= 2.0 * away + 1e-6
