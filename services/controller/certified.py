@@ -62,7 +62,9 @@ class CertifiedLaw(Law):
         self._path = self._load[6:18]
         self._rooms = np.zeros((3, 12))
         self._flat_rooms = self._rooms.ravel()
-        self._opened = np.full((2, 12), UNBOUNDED)  # how far the lasting rooms are in use
+        self._opened = np.zeros((2, 12))  # how far the lasting rooms are in use
+        self._change, self._part = np.zeros((2, 12)), np.zeros((2, 12))
+        self._started = False
         self._levels: Array | None = None  # those that the offset was made for
         self._tightest = 0.0
         self._y = np.zeros(6)
@@ -207,15 +209,15 @@ class CertifiedLaw(Law):
             np.multiply(self._per_force, levels, out=self._offset)
             self._levels = None if yields else levels
         self._room_matrix.dot(load, self._flat_rooms)
-        opened, lasting = self._opened, self._lasting
-        share = min(1.0, dt / self.parameters.horizon)
-        opened *= 1.0 - share
-        opened += share * lasting
-        np.minimum(opened, lasting, out=opened)
-        np.maximum(opened, _ZERO, out=opened)
+        np.maximum(self._flat_rooms, 0.0, out=self._flat_rooms)
+        opened, change, part = self._opened, self._change, self._part
+        np.subtract(self._lasting, opened, out=change)
+        np.multiply(change, min(1.0, dt / self.parameters.horizon) if self._started else 1.0, out=part)
+        self._started = True
+        np.minimum(change, part, out=change)  # shut at once, opened by a part
+        opened += change
         np.minimum(self._next, self._usable, out=room)
         self._tightest = min(room.tolist())
-        np.maximum(room, _ZERO, out=room)
         upper = self._upper
         if yields:  # the speed box leaves what y does not use; y against a direction frees none of it
             np.subtract(self.box.reach, self._y_speeds, upper)

@@ -25,6 +25,8 @@ _ACTS_AFTER = 0.75
 """Delay of the motion in response times: D is the longest one, and a command acts for a period around it."""
 _SAMPLES = 40
 """So many samples the window holds at most; a quicker loop leaves some out."""
+_FEWEST = 4
+"""Fewer samples tell a drift from nothing else."""
 _ERRORS, _ROOM = 1.0, 0.05
 """Motion tells something if it can change the wrench by more than this many error bounds and share of the room."""
 _RISE, _FALL = 0.1, 0.5
@@ -73,7 +75,7 @@ class Softness:
         self._now += dt
         self._position = self._position + displacement
         self._commanded.append((self._now, self._position))
-        window = _WINDOW * response_time
+        window = max(_WINDOW * response_time, _FEWEST * dt)
         if not self._samples or self._now - self._samples[-1][0] >= window / _SAMPLES:
             acted = self._acted(self._now - _ACTS_AFTER * response_time)
             self._samples.append((self._now, np.array(wrench), acted))
@@ -96,7 +98,7 @@ class Softness:
     def _regression(self, scale: Array, largest: float, doubt: float) -> float:
         times, wrenches, positions = (np.array(column) for column in zip(*self._samples, strict=True))
         count = len(times)
-        if count < 4:
+        if count < _FEWEST:
             return FIRST_SHARE
         # What a constant and a steady drift explain is the environment's.
         times = times - times.mean()

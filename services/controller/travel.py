@@ -54,6 +54,7 @@ class Travel:
         self._durations: list[float] = []
         self._first = 1
         self._tail = 0.0
+        self._just_sent = False
         self._interval = 0.0  # [s] shortest recent one between two commands, 0 = not known yet
 
     def configure(self, period: float, delay: float, lag: float) -> None:
@@ -77,7 +78,9 @@ class Travel:
     def command(self, twist: Array) -> None:
         """Record the twist (6,) [m/s, rad/s] that is sent now."""
         speeds, durations = self.speeds, self._durations
-        np.maximum(SENSES.dot(twist), _NONE, out=speeds)
+        # Of two at the same instant (a step that failed after its command, then the brake) either may be what acts.
+        np.maximum(SENSES.dot(twist), speeds if self._just_sent else _NONE, out=speeds)
+        self._just_sent = True
         # It may act early, in place of earlier ones, by the spread of the delay: at most T less a regular interval.
         row = self._first + len(durations)
         early = self.period - self._interval
@@ -92,6 +95,7 @@ class Travel:
         row = self._first + len(durations)
         if row == _ROWS:
             row = self._compact()
+        self._just_sent = False
         self._sent[row] = self.speeds
         largest, acting = self.speeds, self._acting[row]
         # An earlier command may still act, as long as it is not older than T.
@@ -121,7 +125,8 @@ class Travel:
         for rows in (self._sent, self._acting):
             np.maximum(rows[first], rows[first + 1], out=rows[first + 1])
         self._acting[first] = self._acting[first - 1]
-        self._durations[1] += self._durations.pop(0)
+        oldest = self._durations.pop(0)
+        self._durations[0] += oldest
         self._first += 1
 
     def _weigh(self) -> None:

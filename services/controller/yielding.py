@@ -26,6 +26,8 @@ _FORGET_TIME = 2.0
 
 Vector = Sequence[float]
 _NONE = (0.0,) * 6
+_FOLLOWED = 1e-3
+"""An integral slower than this [m/s, rad/s] follows nobody any more: the rows may have it back."""
 _QUICKNESS = 1.5
 """Gain of following a moving environment over what settles in D at the stiffness that the contact shows."""
 
@@ -70,6 +72,10 @@ class _Integral:
     @staticmethod
     def _decay(response_time: float, dt: float) -> float:
         return math.exp(-dt / (_FORGET_TIME * response_time))
+
+    def slower_than(self, speed: float) -> bool:
+        """Whether no element exceeds ``speed`` [m/s, rad/s]."""
+        return max(map(abs, self.value)) < speed
 
     @property
     def at_rest(self) -> bool:
@@ -172,9 +178,9 @@ class RoundedYield(Yielding):
         self.moved = self.moved or any(abs(w[i]) > caps.wall[i] for i in range(6))
         scale = bound.roots if self.moved else caps.room
         y = down_the_gradient(w, caps.start, scale, bound, state.response_time)
+        if self.moved and y is None and self._integral.slower_than(_FOLLOWED):
+            self.moved, self._softness = False, Softness()
         if y is None and self._integral.at_rest:
-            if self.moved:
-                self.moved, self._softness = False, Softness()
             return None
         if self.moved:
             gain = _QUICKNESS / self._share(state)
@@ -184,6 +190,8 @@ class RoundedYield(Yielding):
     def brake(self, response_time: float, dt: float) -> None:
         super().brake(response_time, dt)
         self._softness = Softness()
+        if self._integral.slower_than(_FOLLOWED):
+            self.moved = False  # a wrench beyond the wall will prove it again
 
     def _share(self, state: YieldInput) -> float:
         """Share of the declared stiffness that the contact shows on the axes which are beyond the box."""

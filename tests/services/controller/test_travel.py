@@ -133,3 +133,23 @@ def test_no_time_no_change() -> None:
     travel.command(np.ones(6))
     before = travel.advance(0.005).copy()
     assert travel.advance(0.0) == pytest.approx(before)
+
+
+def test_of_two_commands_at_one_instant_the_larger_counts() -> None:
+    """A step that fails after its command is followed by a brake at once: whichever is lost, the other one acts."""
+    travel = Travel(0.02, 0.05, 0.0)
+    travel.advance(0.01)
+    travel.command(np.array((0.2, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    travel.command(np.zeros(6))
+    assert travel.advance(0.01)[6] >= 0.2 * 0.01 * (1.0 - 1e-9)
+
+
+def test_more_segments_than_are_kept_are_merged_without_losing_any_time() -> None:
+    """A loop far quicker than the delay: everything of the last d is still counted, never less."""
+    period, delay, rate = 0.001, 0.1, 4000.0
+    travel = Travel(period, delay, 0.0)
+    for _ in range(2000):
+        travel.advance(1.0 / rate)
+        travel.command(np.array((0.1, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    in_flight = travel.advance(1.0 / rate)[6]
+    assert 0.1 * delay * (1.0 - 1e-9) <= in_flight <= 0.1 * (delay + 2.0 / rate)

@@ -169,10 +169,24 @@ def test_a_wrench_beyond_the_wall_proves_motion_until_it_is_back_in_the_box(boun
     assert not yielding.moved
     force(1.001 * c.wall[0])
     assert yielding.moved
-    force(0.5 * (c.start[0] + c.wall[0]))
+    for _ in range(20):
+        force(0.5 * (c.start[0] + c.wall[0]))
     assert yielding.moved
-    while force(0.9 * c.start[0]) is not None:
-        assert yielding.moved
+    y = force(0.9 * c.start[0])
+    assert yielding.moved, "it still follows"
+    while yielding.moved:
+        y = force(0.9 * c.start[0])
+    assert y is not None and 0.0 < y[0] < 1e-3, "what is left is the rows' to limit"
+
+
+def test_after_a_long_brake_motion_has_to_be_proven_again(bound: StiffnessBound) -> None:
+    c, yielding = caps(0.8), RoundedYield()
+    for _ in range(20):
+        yielding.step(state([1.1 * c.wall[0], *[0.0] * 5], c, bound))
+    yielding.brake(D, DT)
+    assert yielding.moved, "a tick's brake changes nothing"
+    for _ in range(100):
+        yielding.brake(D, DT)
     assert not yielding.moved
 
 
