@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Generic, TypeVar
 
 import numpy as np
 
+from shared.base_gate import BaseGate, BaseLimits
 from shared.limits import Gate, GateLimits
-from shared.messages import RobotStatus, TwistCommand
+from shared.messages import BaseTwistCommand, RobotStatus, TwistCommand
+from shared.records import Record
 from shared.service import Inputs, Output, Reading
 from shared.spatial import Array
-from shared.topics import COMMAND_EE_TWIST, STATE_ROBOT, STOP, Topic
+from shared.topics import COMMAND_BASE_TWIST, COMMAND_EE_TWIST, STATE_ROBOT, STOP, Topic
+
+M = TypeVar("M", bound=Record)
 
 HOLDING_AFTER = 0.1
 """Time [s] without a fresh command after which the robot says that it holds: commands at 30 Hz with a ``ttl`` of 20 ms
@@ -19,30 +23,56 @@ _INSTANT = 1e-9
 """Less time [s] than this is none."""
 
 
-class RobotSide:
-    """The gate with its inputs in front of it and ``state/robot`` behind it; simulation and bridges differ in neither.
+class _Pending(Generic[M]):
+    """The newest command of a topic until the instant at which it arrived is reached."""
 
-    A robot process has ``INPUTS`` among the inputs of its wiring. In each step it calls ``take`` once, ``advance`` once
-    or more often, and ``report`` once; where it brakes, ``hold``.
+    def __init__(self, topic: Topic[M]) -> None:
+        self._topic = topic
+        self._reading: Reading[M] | None = None
+        self._age = 0.0
+
+    def take(self, inputs: Inputs, behind: float) -> None:
+        command = inputs.get(self._topic)
+        if command is not None and (command.new or self._reading is not None):
+            self._reading = command
+            self._age = command.age - behind
+
+    def due(self, dt: float) -> tuple[Reading[M], float] | None:
+        """The command and its age [s], once, if it has arrived by now; then ``dt`` [s] pass."""
+        age = self._age
+        self._age += dt
+        reading = self._reading
+        if reading is None or age <= -_INSTANT:
+            return None
+        self._reading = None
+        return reading, age
+
+    def drop(self) -> None:
+        self._reading = None
+
+
+class RobotSide:
+    """The gates with their inputs in front and ``state/robot`` behind them; simulation and bridges differ in neither.
+
+    A robot process has ``INPUTS`` among the inputs of its wiring. In each step it calls ``take`` once, ``advance`` and
+    ``advance_base`` once or more often, and ``report`` once; where it brakes, ``hold``.
 
     Args:
-        limits: of the gate.
+        limits: of the tool's gate.
         base_type: ``differential`` or ``omni``.
         simulated: whether there is no real robot.
-        max_base: largest velocity (3,) of the base: vx, vy [m/s], wz [rad/s].
+        base: limits of the base's gate.
     """
 
-    INPUTS: tuple[Topic, ...] = (COMMAND_EE_TWIST, STOP)
+    INPUTS: tuple[Topic, ...] = (COMMAND_EE_TWIST, COMMAND_BASE_TWIST, STOP)
 
-    def __init__(
-        self, limits: GateLimits, base_type: str, simulated: bool, max_base: Sequence[float] = (0.0, 0.0, 0.0)
-    ) -> None:
+    def __init__(self, limits: GateLimits, base_type: str, simulated: bool, base: BaseLimits) -> None:
         self.gate = Gate(limits)
+        self.base_gate = BaseGate(base)
         self._base_type = base_type
         self._simulated = simulated
-        self._max_base = np.array(max_base)
-        self._pending: Reading[TwistCommand] | None = None
-        self._age = 0.0
+        self._pending: _Pending[TwistCommand] = _Pending(COMMAND_EE_TWIST)
+        self._pending_base: _Pending[BaseTwistCommand] = _Pending(COMMAND_BASE_TWIST)
         self._live = 0.0
         self._refusals: list[str] = []
         self._told = ""
@@ -61,22 +91,28 @@ class RobotSide:
         stop = inputs.get(STOP)
         if stop is not None and stop.new and (stop.message.engaged or stop.header.valid):
             self.gate.stop(stop.message.engaged, stop.message.reason)
-        command = inputs.get(COMMAND_EE_TWIST)
-        if command is not None and (command.new or self._pending is not None):
-            self._pending = command
-            self._age = command.age - behind
+            self.base_gate.stop(stop.message.engaged)
+        self._pending.take(inputs, behind)
+        self._pending_base.take(inputs, behind)
         self._refusals = [f"{topic.key}: {text}" for topic in self.INPUTS if (text := inputs.refusals(topic))]
 
     def advance(self, dt: float) -> Array:
-        """Twist (6,) [m/s, rad/s] to execute during the next ``dt`` [s]."""
-        command = self._pending
-        if command is not None and self._age > -_INSTANT:
+        """Twist (6,) [m/s, rad/s] of the tool to execute during the next ``dt`` [s]."""
+        due = self._pending.due(dt)
+        if due is not None:
+            command, age = due
             message = command.message
-            self.gate.command(message.linear, message.angular, message.ttl, self._age, command.header.valid)
-            self._pending = None
-        self._age += dt
+            self.gate.command(message.linear, message.angular, message.ttl, age, command.header.valid)
         self._live = HOLDING_AFTER if self.gate.mode == "ready" else self._live - dt
         return self.gate.advance(dt)
+
+    def advance_base(self, dt: float) -> Array:
+        """Velocity (3,) vx, vy [m/s], wz [rad/s] of the base to execute during the next ``dt`` [s]."""
+        due = self._pending_base.due(dt)
+        if due is not None:
+            command, age = due
+            self.base_gate.command(command.message.velocity, command.message.ttl, age, command.header.valid)
+        return self.base_gate.advance(dt)
 
     @property
     def mode(self) -> str:
@@ -97,14 +133,17 @@ class RobotSide:
         if mode == self._told and self._until_report > _INSTANT:
             return []
         counts = (
-            (self.gate.clamped, "clamped"),
-            (self.gate.expired, "expired"),
-            (self.gate.late, "late"),
+            (self.gate.clamped, "commands clamped"),
+            (self.gate.expired, "commands expired"),
+            (self.gate.late, "commands late"),
+            (self.base_gate.clamped, "base commands clamped"),
+            (self.base_gate.expired, "base commands expired"),
+            (self.base_gate.late, "base commands late"),
         )
         parts = (
             "" if mode == "ready" else self.gate.reason,
             *reasons,
-            *(f"commands {what}: {count}" for count, what in counts if count),
+            *(f"{what}: {count}" for count, what in counts if count),
             *self._refusals,
         )
         return [self._status(mode, "; ".join(part for part in parts if part))]
@@ -112,7 +151,10 @@ class RobotSide:
     def hold(self, reason: str) -> list[Output]:
         """Execute nothing until the next command, and say why: the process itself does not work."""
         self.gate.command(np.zeros(3), np.zeros(3), ttl=0.0, age=0.0, valid=False)
-        self._pending, self._live = None, 0.0
+        self.base_gate.command(np.zeros(3), ttl=0.0, age=0.0, valid=False)
+        self._pending.drop()
+        self._pending_base.drop()
+        self._live = 0.0
         return [self._status(self.mode, reason)]
 
     def _status(self, mode: str, reason: str) -> Output:
@@ -130,6 +172,6 @@ class RobotSide:
             simulated=self._simulated,
             max_linear=limits.max_linear,
             max_angular=limits.max_angular,
-            max_base=self._max_base,
+            max_base=self.base_gate.limits.largest,
         )
         return Output(STATE_ROBOT, status)

@@ -6,9 +6,11 @@ import math
 
 import numpy as np
 
+from services.sim.base import MobileBase
 from services.sim.ik import DifferentialIK
 from services.sim.kinematics import CHAIN, Kinematics
 from services.sim.physics import Physics
+from shared.constants import GRAVITY
 from shared.spatial import Array
 
 TORSO_WEIGHT = 10.0
@@ -20,6 +22,9 @@ SLACK = 0.02
 TORSO_BOTTOM = 0.01
 TORSO_MARGIN, ARM_MARGIN = 0.003, 0.01
 """Distance [m, rad] from their position limits at which the joints stand still."""
+GRIPPER_CENTRE = -0.0635
+"""Centre of mass [m] of what is beyond the force-torque sensor, along the tool's x axis. What the arm feels of the
+base's turning is worked out there, and taken for the same all along the arm: only its motors notice."""
 DRIVE_LAG = 0.015
 """Time constant [s] of the drives: the tool's twist follows the commanded one as a first-order lag."""
 AT_REST = 1e-5
@@ -81,6 +86,16 @@ class Arm:
     def tool_twist(self) -> Array:
         """Twist (6,) [m/s, rad/s] of the tool, base axes."""
         return self.kinematics.jacobian().dot(self.physics.velocity)
+
+    def feel(self, base: MobileBase) -> None:
+        """Let the arm feel its weight and the motion of the base that carries it."""
+        if base.at_rest:
+            self.physics.feel((0.0, 0.0, -GRAVITY))
+            return
+        position, rotation = self.kinematics.tool()
+        x, y, z = (position + GRIPPER_CENTRE * rotation[:, 0]).tolist()
+        vx, vy, vz, *_ = self.tool_twist.tolist()
+        self.physics.feel(base.gravity((x, y, z), (vx, vy, vz)))
 
     def advance(self, twist: Array, force: list[float], torque: list[float] | None) -> None:
         """One physics step with the gate's twist (6,) and the environment's force [N] and torque [Nm] at the tool."""

@@ -60,6 +60,7 @@ class Physics:
             deterministicOverlappingPairs=1,
             **self._on,
         )
+        self._gravity = (0.0, 0.0, -GRAVITY)
         self._body = self._load()
         names = [
             pybullet.getJointInfo(self._body, joint, **self._on)[1].decode()
@@ -89,6 +90,7 @@ class Physics:
 
     def reset(self) -> None:
         """Back to the start configuration, at rest."""
+        self.feel((0.0, 0.0, -GRAVITY))
         for joint, position in zip(self._joints, self._home.tolist(), strict=True):
             pybullet.resetJointState(self._body, joint, position, 0.0, **self._on)
         self.drive(self._home.tolist(), [0.0] * len(CHAIN))
@@ -120,6 +122,12 @@ class Physics:
         pybullet.applyExternalForce(self._body, self._wrist, force, point, pybullet.WORLD_FRAME, **self._on)
         if torque is not None:
             pybullet.applyExternalTorque(self._body, self._wrist, torque, pybullet.WORLD_FRAME, **self._on)
+
+    def feel(self, gravity: tuple[float, float, float]) -> None:
+        """The acceleration [m/s2], base axes, that every body feels from now on: gravity, and the base's motion."""
+        if gravity != self._gravity:
+            self._gravity = gravity
+            pybullet.setGravity(*gravity, **self._on)
 
     def step(self) -> None:
         """Let one step of time pass."""

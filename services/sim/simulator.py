@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from services.sim.base import LIMITS
 from services.sim.commands import Commands
 from services.sim.ft_sensor import ForceTorqueSensor
 from services.sim.pace import Pace, Ticks
@@ -48,13 +49,12 @@ class Simulator:
             parameters.max_linear_acceleration,
             parameters.max_angular_acceleration,
         )
-        self.side = RobotSide(limits, parameters.base_type, simulated=True)
+        self.side = RobotSide(limits, parameters.base_type, simulated=True, base=LIMITS[parameters.base_type])
         self._sensor = ForceTorqueSensor(parameters.ft_noise, parameters.ft_bias, parameters.seed)
         self._lines = {"ft": SensorLine(), "joints": SensorLine()}
         self._joints = JointSensors(self.world.arm, self._lines["joints"])
         self._commands = Commands(self.world, self._lines)
         self._pace = Pace()
-        self._base = Output(topics.STATE_BASE, BaseState(np.zeros(2), 0.0, np.zeros(3)))
         self._gripper = Output(topics.STATE_GRIPPER, GripperState(0.0, 0.0, False))
         self.wiring = Wiring(
             name="sim",
@@ -93,7 +93,7 @@ class Simulator:
         step = self._ticks.step * self._stretch
         self.side.take(inputs, behind=self._ticks.substeps * step)
         for _ in range(self._ticks.substeps):
-            self.world.advance(self.side.advance(step))
+            self.world.advance(self.side.advance(step), self.side.advance_base(step))
         self._ticks.advance()
 
     def _outputs(self) -> list[Output]:
@@ -108,7 +108,7 @@ class Simulator:
         outputs += self._lines["joints"].send(joints, tick)
         # Sensors keep their rates in simulated time, what is told of the rest its rate in real time.
         if due(topics.STATE_BASE.rate * self._stretch):
-            outputs.append(self._base)
+            outputs.append(Output(topics.STATE_BASE, self._base_state()))
         if due(topics.STATE_GRIPPER.rate * self._stretch):
             outputs.append(self._gripper)
         if due(topics.SIM_WORLD.rate * self._stretch):
@@ -124,6 +124,10 @@ class Simulator:
         return FtSample(
             reading[:3], reading[3:], quaternion(rotation), arm.kinematics.tool_in_sensor, saturated
         )
+
+    def _base_state(self) -> BaseState:
+        base = self.world.base
+        return BaseState(np.array((base.x, base.y)), base.yaw, np.array(base.velocity))
 
     def _world_state(self) -> SimWorld:
         bag = self.world.bag

@@ -1,4 +1,4 @@
-"""The simulated world: the arm and everything that acts on its tool."""
+"""The simulated world: the robot and everything that acts on its tool."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from services.sim.arm import Arm
 from services.sim.bag import Bag
+from services.sim.base import MobileBase, Vector
 from shared.spatial import Array
 
 
@@ -21,11 +22,11 @@ class _Push:
 
 
 class World:
-    """Arm, bag and pushes.
+    """Robot, bag and pushes.
 
     Attributes:
         time: simulated time [s] since the process started.
-        contact_force: force (3) [N] that bag and pushes exert on the tool, base axes.
+        contact_force: force (3) [N] that bag and pushes exert on the tool, in world.
 
     Args:
         step: duration [s] of one physics step.
@@ -33,6 +34,7 @@ class World:
 
     def __init__(self, step: float) -> None:
         self.arm = Arm(step)
+        self.base = MobileBase()
         self.bag = Bag()
         self.time = 0.0
         self.contact_force = [0.0, 0.0, 0.0]
@@ -40,23 +42,31 @@ class World:
         self._pushes: list[_Push] = []
 
     def reset(self) -> None:
-        """Back to the start: the arm at home, no bag, no push. Time goes on."""
+        """Back to the start: base and arm at home, no bag, no push. Time goes on."""
         self.arm.reset()
+        self.base = MobileBase()
         self.bag = Bag()
         self._pushes = []
         self.contact_force = [0.0, 0.0, 0.0]
 
     def load(self, mass: float) -> None:
         """Hang a bag of that total mass [kg] from the tool, or make the one there so heavy; 0 takes it off."""
-        x, y, z = self.arm.tool_position.tolist()
-        self.bag.load(mass, (x, y, z))
+        self.bag.load(mass, self.base.point(self._tool()))
 
     def push(self, force: Array, torque: Array, duration: float) -> None:
         """Push the tool with a force (3,) [N] and a torque (3,) [Nm], base axes, for a duration [s]."""
         self._pushes.append(_Push(force, torque, duration))
 
-    def advance(self, twist: Array) -> None:
-        """One physics step, the arm being told to move its tool with a twist (6,)."""
+    def advance(self, twist: Array, base_velocity: Array) -> None:
+        """One physics step.
+
+        Args:
+            twist: that the arm is told to move its tool with (6,), relative to base.
+            base_velocity: of the base: vx, vy [m/s], wz [rad/s] (3,).
+        """
+        vx, vy, wz = base_velocity.tolist()
+        self.base.advance((vx, vy, wz), self._step)
+        self.arm.feel(self.base)
         force, torque = self._pull(), None
         if self._pushes:
             total = np.zeros(3)
@@ -67,13 +77,20 @@ class World:
             self._pushes = [push for push in self._pushes if push.left > 0.5 * self._step]
             torque = total.tolist()
         self.arm.advance(twist, force, torque)
-        self.contact_force = force
+        x, y, z = force
+        self.contact_force = list(self.base.turned((x, y, z)))
         self.time += self._step
 
+    def _tool(self) -> Vector:
+        """Position [m] of the tool in base."""
+        x, y, z = self.arm.tool_position.tolist()
+        return x, y, z
+
     def _pull(self) -> list[float]:
-        """Force (3) [N] of the bag on the tool in this step."""
+        """Force (3) [N] of the bag on the tool in this step, base axes."""
         if not self.bag.present:
             return [0.0, 0.0, 0.0]
-        x, y, z = self.arm.tool_position.tolist()
+        tool = self._tool()
         vx, vy, vz, *_ = self.arm.tool_twist.tolist()
-        return list(self.bag.step((x, y, z), (vx, vy, vz), self._step))
+        velocity = self.base.velocity_of(tool, (vx, vy, vz))
+        return list(self.base.turned_back(self.bag.step(self.base.point(tool), velocity, self._step)))

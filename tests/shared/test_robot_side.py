@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from shared.base_gate import BaseLimits
 from shared.limits import SILENCE, GateLimits
 from shared.messages import Header, RobotStatus, Stop, TwistCommand
 from shared.records import Record
@@ -22,7 +23,10 @@ class Process:
 
     def __init__(self) -> None:
         self.side = RobotSide(
-            GateLimits(0.3, 1.0, 1e3, 1e3), "omni", simulated=False, max_base=(0.5, 0.4, 0.3)
+            GateLimits(0.3, 1.0, 1e3, 1e3),
+            "omni",
+            simulated=False,
+            base=BaseLimits(0.5, 0.2, 0.4, 0.3, 1.0, 2.0),
         )
         self.statuses: list[RobotStatus] = []
         self._readings: dict[str, Reading] = {}

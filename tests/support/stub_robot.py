@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from shared import topics
+from shared.base_gate import BaseLimits
 from shared.faults import Fault
 from shared.limits import GateLimits
 from shared.messages import BaseState, EndEffector, FtSample, GripperState, JointState
@@ -26,6 +27,10 @@ from shared.topics import Query
 _SENSOR_IN_TOOL = np.array((-0.2, 0.0, 0.0))
 """Origin of the sensor in tool axes [m]; both frames have the same axes."""
 _JOINTS = tuple(f"arm_right_{number}_joint" for number in range(1, 8))
+_BASE = {
+    "differential": BaseLimits(0.5, 0.5, 0.0, 0.5, 10.0, 20.0),
+    "omni": BaseLimits(0.5, 0.5, 0.5, 0.5, 10.0, 20.0),
+}
 _START = (0.5, -0.3, 1.0)
 
 
@@ -59,7 +64,7 @@ class StubRobot:
         self.parameters: Parameters = parameters
         self._settings = parameters
         limits = GateLimits(parameters.max_linear, parameters.max_angular, 2.0, 4.0)
-        self.side = RobotSide(limits, parameters.base_type, simulated=False, max_base=(0.5, 0.0, 0.5))
+        self.side = RobotSide(limits, parameters.base_type, simulated=False, base=_BASE[parameters.base_type])
         self.load: Array = np.array(parameters.load)
         self.position: Array = np.array(parameters.position)
         self.rotation: Array = np.eye(3)
@@ -72,12 +77,7 @@ class StubRobot:
         self.wiring = Wiring(
             name="robot",
             driver=1.0 / (parameters.rate * parameters.ticks),
-            optional=(
-                *RobotSide.INPUTS,
-                topics.COMMAND_BASE_TWIST,
-                topics.COMMAND_GRIPPER,
-                topics.COMMAND_HEAD,
-            ),
+            optional=(*RobotSide.INPUTS, topics.COMMAND_GRIPPER, topics.COMMAND_HEAD),
             overrun_share=1.0,
         )
 
@@ -92,7 +92,7 @@ class StubRobot:
         gripper = inputs.get(topics.COMMAND_GRIPPER)
         if gripper is not None:
             self.opening = gripper.message.opening
-        self._move(dt, self._base_velocity(inputs))
+        self._move(dt, self.side.advance_base(dt))
         self._ticks += 1
         return [*self._outputs(), *self.side.report(dt)]
 
@@ -111,11 +111,6 @@ class StubRobot:
     def notes(self) -> str:
         """Nothing to tell."""
         return ""
-
-    def _base_velocity(self, inputs: Inputs) -> Array:
-        command = inputs.get(topics.COMMAND_BASE_TWIST)
-        live = command is not None and command.header.valid and command.age < command.message.ttl
-        return command.message.velocity if live and self.side.mode != "stopped" else np.zeros(3)
 
     def _move(self, dt: float, base_velocity: Array) -> None:
         self.twist = self.side.advance(dt)
