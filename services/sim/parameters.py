@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from typing import Literal
 
-from shared.parameters import Parameters, Refused, Vector6, parameter
+from services.sim.panel import PanelSpec
+from shared.parameters import Parameters, Refused, Vector3, Vector6, parameter
 
 SLOWEST_RATE = 30.0
 """Rate [Hz] in real time below which the contract's readers take a sensor for silent in between."""
 
 BaseType = Literal["differential", "omni"]
+SceneName = Literal["load", "carry"]
 
 
 class SimParameters(Parameters):
-    """Rates, sensor errors and speed limits of the simulated TIAGo."""
+    """Rates, sensor errors and speed limits of the simulated TIAGo, and what is around it."""
+
+    scene: SceneName = parameter(
+        "load", unit="", doc="what is around it: bags on a rope, or also a panel to carry and a person"
+    )
 
     ft_rate: float = parameter(
         100.0, unit="Hz", minimum=30.0, maximum=1000.0, doc="of the wrist's force-torque sensor"
@@ -56,7 +62,34 @@ class SimParameters(Parameters):
     max_angular_acceleration: float = parameter(
         10.0, unit="rad/s2", minimum=0.1, maximum=100.0, doc="of speeding up; slowing down is not limited"
     )
+    panel_size: Vector3 = parameter(
+        (1.2, 0.6, 0.05), unit="m", minimum=0.02, maximum=3.0, doc="length, width and thickness of the panel"
+    )
+    panel_mass: float = parameter(1.5, unit="kg", minimum=0.2, maximum=10.0, doc="of the panel")
+    panel_friction: float = parameter(
+        0.6, unit="1", minimum=0.0, maximum=2.0, doc="of the panel on the ground and on its supports"
+    )
+    panel_stiffness: float = parameter(
+        4000.0,
+        unit="N/m",
+        minimum=500.0,
+        maximum=20000.0,
+        doc="of the panel's foam standing on an edge or lying on a face",
+    )
+    panel_position: Vector3 = parameter(
+        (0.57, -0.39, 0.76),
+        unit="m",
+        minimum=-5.0,
+        maximum=5.0,
+        doc="middle of the panel's edge towards the robot as it lies on its supports, in base at the start",
+    )
     seed: int = parameter(0, unit="", minimum=0, maximum=2**63 - 1, doc="of the sensor noise")
+
+    def panel(self) -> PanelSpec:
+        """The panel of the carrying scenario."""
+        return PanelSpec(
+            self.panel_size, self.panel_mass, self.panel_friction, self.panel_stiffness, self.panel_position
+        )
 
     def check(self) -> None:
         """Whether what depends on the sensors hears from them often enough.

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from services.sim.base import LIMITS
+from services.sim.carry import Carry
 from services.sim.commands import Commands
 from services.sim.ft_sensor import ForceTorqueSensor
 from services.sim.pace import Pace, Ticks
@@ -22,7 +23,7 @@ from shared.messages import BaseState, FtSample, GripperState
 from shared.parameters import Parameters
 from shared.robot_side import RobotSide
 from shared.service import Inputs, Output, Wiring
-from shared.sim_messages import BagState, SimWorld
+from shared.sim_messages import BagState, PanelState, SimWorld
 from shared.spatial import quaternion
 from shared.topics import Query
 
@@ -42,7 +43,8 @@ class Simulator:
         self._ticks = Ticks(parameters.ft_rate, parameters.joint_rate, parameters.physics_rate)
         # Real time per simulated time: the gate's deadlines are promises in real time.
         self._stretch = 1.0 / parameters.real_time_factor
-        self.world = World(self._ticks.step)
+        carry = Carry(parameters.panel(), self._ticks.step) if parameters.scene == "carry" else None
+        self.world = World(self._ticks.step, carry)
         limits = GateLimits(
             parameters.max_linear,
             parameters.max_angular,
@@ -130,6 +132,10 @@ class Simulator:
         return BaseState(np.array((base.x, base.y)), base.yaw, np.array(base.velocity))
 
     def _world_state(self) -> SimWorld:
-        bag = self.world.bag
+        bag, carry = self.world.bag, self.world.carry
         state = BagState(bag.mass, bag.height) if bag.present else None
-        return SimWorld(self.world.time, None, state, None, np.array(self.world.contact_force), False)
+        panel = None
+        if carry is not None:
+            body = carry.panel.body
+            panel = PanelState(body.position, quaternion(body.rotation))
+        return SimWorld(self.world.time, panel, state, None, np.array(self.world.contact_force), False)

@@ -9,6 +9,7 @@ import numpy as np
 from services.sim.arm import Arm
 from services.sim.bag import Bag
 from services.sim.base import MobileBase, Vector
+from services.sim.carry import Carry
 from shared.spatial import Array
 
 
@@ -22,7 +23,7 @@ class _Push:
 
 
 class World:
-    """Robot, bag and pushes.
+    """Robot, bag, pushes and, if there is one, the carrying scenario.
 
     Attributes:
         time: simulated time [s] since the process started.
@@ -30,12 +31,14 @@ class World:
 
     Args:
         step: duration [s] of one physics step.
+        carry: the carrying scenario, if it is part of the scene.
     """
 
-    def __init__(self, step: float) -> None:
+    def __init__(self, step: float, carry: Carry | None = None) -> None:
         self.arm = Arm(step)
         self.base = MobileBase()
         self.bag = Bag()
+        self.carry = carry
         self.time = 0.0
         self.contact_force = [0.0, 0.0, 0.0]
         self._step = step
@@ -44,6 +47,8 @@ class World:
     def reset(self) -> None:
         """Back to the start: base and arm at home, no bag, no push. Time goes on."""
         self.arm.reset()
+        if self.carry is not None:
+            self.carry.reset()
         self.base = MobileBase()
         self.bag = Bag()
         self._pushes = []
@@ -76,6 +81,8 @@ class World:
                 push.left -= self._step
             self._pushes = [push for push in self._pushes if push.left > 0.5 * self._step]
             torque = total.tolist()
+        if self.carry is not None:
+            self.carry.advance()
         self.arm.advance(twist, force, torque)
         x, y, z = force
         self.contact_force = list(self.base.turned((x, y, z)))

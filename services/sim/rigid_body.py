@@ -1,0 +1,50 @@
+"""A free rigid body, integrated here because forces with a known stiffness and damping act on it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shared.constants import GRAVITY
+from shared.spatial import Array, cross, rotation_from_vector
+
+
+class RigidBody:
+    """One body under gravity and whatever pushes it.
+
+    Attributes:
+        position: of the centre of mass (3,) [m], in world.
+        rotation: of the body's principal axes in world (3, 3).
+        velocity, spin: of the centre of mass (3,) [m/s] and of the body (3,) [rad/s], world axes.
+
+    Args:
+        mass: [kg].
+        inertia: principal moments (3,) [kg m2].
+        position: of the centre of mass (3,) [m], in world.
+    """
+
+    def __init__(self, mass: float, inertia: Array, position: Array) -> None:
+        self.mass = mass
+        self._inertia = inertia
+        self.position: Array = position.copy()
+        self.rotation: Array = np.eye(3)
+        self.velocity: Array = np.zeros(3)
+        self.spin: Array = np.zeros(3)
+
+    def step(self, force: Array, torque: Array, dt: float) -> None:
+        """Let ``dt`` [s] pass under a force (3,) [N] and a torque about the centre of mass (3,) [Nm], world axes."""
+        acceleration = force / self.mass
+        acceleration[2] -= GRAVITY
+        self.velocity = self.velocity + acceleration * dt
+        rotation = self.rotation
+        spin = rotation.T.dot(self.spin)
+        change = (rotation.T.dot(torque) - cross(spin, self._inertia * spin)) / self._inertia
+        self.spin = rotation.dot(spin + change * dt)
+        # The new velocities move the body: explicit springs neither gain nor lose energy over a swing that way.
+        self.position = self.position + self.velocity * dt
+        self.rotation = rotation_from_vector(self.spin * dt).dot(rotation)
+
+    def velocities(self, offsets: Array) -> Array:
+        """Velocities (n, 3) [m/s] of points of the body at offsets (n, 3) [m] from its centre of mass, world axes."""
+        x, y, z = self.spin.tolist()
+        turning = np.array(((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0)))
+        return self.velocity + offsets.dot(turning)
