@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
 from services.sim.base import MobileBase
 from services.sim.ik import DifferentialIK
-from services.sim.kinematics import CHAIN, Kinematics
+from services.sim.kinematics import CHAIN, HOME, Kinematics
 from services.sim.physics import Physics
 from shared.constants import GRAVITY
 from shared.spatial import Array
@@ -44,10 +45,14 @@ class Arm:
 
     Attributes:
         limited_by: why the last twist was not executed in full, or "".
+
+    Args:
+        step: duration [s] of one physics step.
+        start: positions [m, rad] of the joints at the start, by name; the redundant ones are drawn back to them.
     """
 
-    def __init__(self, step: float) -> None:
-        model = self._kinematics = Kinematics()
+    def __init__(self, step: float, start: Mapping[str, float] = HOME) -> None:
+        model = self._kinematics = Kinematics(start)
         self.physics = Physics(model.home, model.effort, step)
         weight = np.array([TORSO_WEIGHT] + [1.0] * (len(CHAIN) - 1))
         margin = np.array([TORSO_MARGIN] + [ARM_MARGIN] * (len(CHAIN) - 1))

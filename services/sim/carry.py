@@ -1,36 +1,85 @@
-"""The carrying scenario: what stands in front of the robot besides the floor."""
+"""The carrying scenario: the panel, and what the robot's gripper does to it."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from services.sim.grip import Grip, about_tool, locate
+from services.sim.gripper import Gripper
 from services.sim.panel import Panel, PanelSpec
-from shared.spatial import Array
+from shared.spatial import Array, cross
+
+
+@dataclass(frozen=True)
+class CarrySpec:
+    """What is carried and how.
+
+    Attributes:
+        panel: the panel.
+        grip_friction: coefficient between the fingers' pads and the panel.
+    """
+
+    panel: PanelSpec
+    grip_friction: float
+
+
+@dataclass(frozen=True)
+class Tool:
+    """Pose and motion of the tool, in world.
+
+    Attributes:
+        position, rotation: (3,) [m] and (3, 3).
+        velocity, spin: (3,) [m/s] and (3,) [rad/s].
+    """
+
+    position: Array
+    rotation: Array
+    velocity: Array
+    spin: Array
 
 
 class Carry:
-    """A panel on its supports.
+    """A panel on its supports, in the gripper, or on the ground.
 
     Attributes:
         panel: the panel.
 
     Args:
-        panel: what it is like.
+        spec: what it is like.
         step: duration [s] of one physics step.
     """
 
-    def __init__(self, panel: PanelSpec, step: float) -> None:
-        self._spec = panel
+    def __init__(self, spec: CarrySpec, step: float) -> None:
+        self._spec = spec
         self._step = step
         self.reset()
 
     def reset(self) -> None:
         """Back to the start."""
-        self.panel = Panel(self._spec)
+        self.panel = Panel(self._spec.panel)
+        self._grip = Grip(self._spec.grip_friction)
 
-    def advance(self) -> None:
-        """One physics step."""
-        self.panel.step(_NOTHING, _NOTHING, self._step)
+    def advance(self, tool: Tool, gripper: Gripper) -> tuple[Array, Array] | None:
+        """One physics step; force (3,) [N] and torque about the tool's origin (3,) [Nm] on the tool, tool axes."""
+        body = self.panel.body
+        pads = locate(self.panel, tool.position, tool.rotation)
+        twist = np.zeros(6)
+        if pads is not None:
+            arm = tool.rotation.dot(pads.centre)
+            point = tool.position + arm
+            moving = body.velocity + cross(body.spin, point - body.position)
+            twist[:3] = tool.rotation.T.dot(moving - tool.velocity - cross(tool.spin, arm))
+            twist[3:] = tool.rotation.T.dot(body.spin - tool.spin)
+        wrench = self._grip.wrench(gripper, pads, twist, self._step)
+        if wrench is None or pads is None:
+            self.panel.step(_NOTHING, _NOTHING, self._step)
+            return None
+        force, torque = wrench
+        push = tool.rotation.dot(force)
+        self.panel.step(push, tool.rotation.dot(torque) + cross(point - body.position, push), self._step)
+        return -force, -about_tool(force, torque, pads.centre)
 
 
 _NOTHING: Array = np.zeros(3)

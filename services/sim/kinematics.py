@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +45,21 @@ tool is too much. Here the elbow is low, the torso high and the elbow joint near
 of its 3 Nm. Going down only makes that easier.
 """
 
+CARRY_HOME = HOME | {
+    "torso_lift_joint": 0.22344,
+    "arm_right_1_joint": 0.09663,
+    "arm_right_2_joint": 0.66368,
+    "arm_right_3_joint": 1.70416,
+    "arm_right_4_joint": 2.13967,
+    "arm_right_5_joint": 1.25789,
+    "arm_right_6_joint": 0.67047,
+    "arm_right_7_joint": -0.40282,
+}
+"""The start in the carrying scenario: the tool at (0.45, -0.39, 0.78) m in front of the panel's edge, rolled by -90
+degrees, so that the fingers are above and below the panel. From here the onboard inverse kinematics reaches x 0.45 to
+0.6 m and z 0.3 to 1.05 m over the whole turn of the panel to roll 0, with yaw and pitch of 15 degrees.
+"""
+
 
 def full_model() -> pin.Model:
     """The whole robot on its fixed ``base_footprint``."""
@@ -55,9 +71,9 @@ def joint_names(model: pin.Model) -> tuple[str, ...]:
     return tuple(model.names[1:])
 
 
-def home(model: pin.Model) -> Array:
-    """The start configuration [m, rad] in the order of ``joint_names(model)``."""
-    return np.array([HOME.get(name, 0.0) for name in joint_names(model)])
+def home(model: pin.Model, start: Mapping[str, float] = HOME) -> Array:
+    """A start configuration [m, rad] in the order of ``joint_names(model)``."""
+    return np.array([start.get(name, 0.0) for name in joint_names(model)])
 
 
 def locked_except(model: pin.Model, free: tuple[str, ...]) -> pin.Model:
@@ -67,9 +83,13 @@ def locked_except(model: pin.Model, free: tuple[str, ...]) -> pin.Model:
 
 
 class Kinematics:
-    """Forward kinematics of the chain from ``base_footprint`` to the tool; results refer to the last ``update``."""
+    """Forward kinematics of the chain from ``base_footprint`` to the tool; results refer to the last ``update``.
 
-    def __init__(self) -> None:
+    Args:
+        start: positions [m, rad] of the joints at the start, by name.
+    """
+
+    def __init__(self, start: Mapping[str, float] = HOME) -> None:
         self._model = locked_except(full_model(), CHAIN)
         self._data = self._model.createData()
         self._tool = self._model.getFrameId(TOOL_FRAME)
@@ -78,7 +98,7 @@ class Kinematics:
         self.upper: Array = self._model.upperPositionLimit.copy()
         self.speed: Array = self._model.velocityLimit.copy()
         self.effort: Array = self._model.effortLimit.copy()
-        self.home: Array = home(self._model)
+        self.home: Array = home(self._model, start)
         self.update(self.home)
         pin.updateFramePlacement(self._model, self._data, self._sensor)
         tool_in_sensor = self._data.oMf[self._sensor].actInv(self._tool_pose)

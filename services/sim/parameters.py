@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from services.sim.carry import CarrySpec
 from services.sim.panel import PanelSpec
 from shared.parameters import Parameters, Refused, Vector3, Vector6, parameter
 
@@ -77,19 +78,27 @@ class SimParameters(Parameters):
         doc="of the panel's foam standing on an edge or lying on a face",
     )
     panel_position: Vector3 = parameter(
-        (0.57, -0.39, 0.76),
+        (0.57, -0.39, 0.78),
         unit="m",
         minimum=-5.0,
         maximum=5.0,
         doc="middle of the panel's edge towards the robot as it lies on its supports, in base at the start",
     )
+    grip_friction: float = parameter(
+        3.5,
+        unit="1",
+        minimum=0.0,
+        maximum=10.0,
+        doc="of the fingers' pads on the panel: about 0.9 for rubber, several for pads that bite into foam",
+    )
     seed: int = parameter(0, unit="", minimum=0, maximum=2**63 - 1, doc="of the sensor noise")
 
-    def panel(self) -> PanelSpec:
-        """The panel of the carrying scenario."""
-        return PanelSpec(
+    def carry(self) -> CarrySpec:
+        """The carrying scenario."""
+        panel = PanelSpec(
             self.panel_size, self.panel_mass, self.panel_friction, self.panel_stiffness, self.panel_position
         )
+        return CarrySpec(panel, self.grip_friction)
 
     def check(self) -> None:
         """Whether what depends on the sensors hears from them often enough.

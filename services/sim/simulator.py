@@ -43,7 +43,7 @@ class Simulator:
         self._ticks = Ticks(parameters.ft_rate, parameters.joint_rate, parameters.physics_rate)
         # Real time per simulated time: the gate's deadlines are promises in real time.
         self._stretch = 1.0 / parameters.real_time_factor
-        carry = Carry(parameters.panel(), self._ticks.step) if parameters.scene == "carry" else None
+        carry = Carry(parameters.carry(), self._ticks.step) if parameters.scene == "carry" else None
         self.world = World(self._ticks.step, carry)
         limits = GateLimits(
             parameters.max_linear,
@@ -54,14 +54,13 @@ class Simulator:
         self.side = RobotSide(limits, parameters.base_type, simulated=True, base=LIMITS[parameters.base_type])
         self._sensor = ForceTorqueSensor(parameters.ft_noise, parameters.ft_bias, parameters.seed)
         self._lines = {"ft": SensorLine(), "joints": SensorLine()}
-        self._joints = JointSensors(self.world.arm, self._lines["joints"])
+        self._joints = JointSensors(self.world, self._lines["joints"])
         self._commands = Commands(self.world, self._lines)
         self._pace = Pace()
-        self._gripper = Output(topics.STATE_GRIPPER, GripperState(0.0, 0.0, False))
         self.wiring = Wiring(
             name="sim",
             driver=self._stretch / self._ticks.rate,
-            optional=RobotSide.INPUTS,
+            optional=(*RobotSide.INPUTS, topics.COMMAND_GRIPPER),
             queries=(topics.SIM_COMMAND,),
             # A late tick is no reason to stop the world: the gate watches over the commands' age.
             overrun_share=1.0,
@@ -70,6 +69,9 @@ class Simulator:
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
         """Simulate one tick; ``dt`` [s] of real time have passed since the last one."""
         self._pace.add(dt, self._stretch / self._ticks.rate)
+        gripper = inputs.get(topics.COMMAND_GRIPPER)
+        if gripper is not None and gripper.new and gripper.header.valid:
+            self.world.gripper.command(gripper.message.opening, gripper.message.effort)
         self._advance(inputs)
         return [*self._outputs(), *self.side.report(dt, self.world.arm.limited_by)]
 
@@ -95,7 +97,8 @@ class Simulator:
         step = self._ticks.step * self._stretch
         self.side.take(inputs, behind=self._ticks.substeps * step)
         for _ in range(self._ticks.substeps):
-            self.world.advance(self.side.advance(step), self.side.advance_base(step))
+            twist, velocity = self.side.advance(step), self.side.advance_base(step)
+            self.world.advance(twist, velocity, self.side.mode == "stopped")
         self._ticks.advance()
 
     def _outputs(self) -> list[Output]:
@@ -112,7 +115,9 @@ class Simulator:
         if due(topics.STATE_BASE.rate * self._stretch):
             outputs.append(Output(topics.STATE_BASE, self._base_state()))
         if due(topics.STATE_GRIPPER.rate * self._stretch):
-            outputs.append(self._gripper)
+            gripper = self.world.gripper
+            state = GripperState(gripper.opening, gripper.effort, gripper.holding)
+            outputs.append(Output(topics.STATE_GRIPPER, state))
         if due(topics.SIM_WORLD.rate * self._stretch):
             outputs.append(Output(topics.SIM_WORLD, self._world_state()))
         return outputs

@@ -5,22 +5,24 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from services.sim.arm import Arm
 from services.sim.kinematics import CHAIN, Kinematics, full_model, home, joint_names
 from services.sim.sensor_faults import SensorLine
+from services.sim.world import World
 from shared.messages import EndEffector, JointState
 from shared.spatial import quaternion
+
+FINGERS = ("gripper_right_left_finger_joint", "gripper_right_right_finger_joint")
 
 
 class JointSensors:
     """The joints' encoders, and what the robot computes from them.
 
-    Joints that this simulation does not drive (left arm, head, grippers) are reported where they are held, with the
+    Joints that this simulation does not drive (left arm, left gripper) are reported where they are held, with the
     effort that their weight takes.
     """
 
-    def __init__(self, arm: Arm, line: SensorLine) -> None:
-        self._arm = arm
+    def __init__(self, world: World, line: SensorLine) -> None:
+        self._world = world
         self._line = line
         self._kinematics = Kinematics()
         model = full_model()
@@ -28,10 +30,11 @@ class JointSensors:
         self._position = home(model)
         self._effort = pin.computeGeneralizedGravity(model, model.createData(), self._position)
         self._driven = np.array([self._names.index(name) for name in CHAIN])
+        self._fingers = [self._names.index(name) for name in FINGERS]
 
     def measure(self) -> tuple[JointState, EndEffector]:
         """Joint states and the tool's pose and twist, as the encoders have them."""
-        physics = self._arm.physics
+        physics = self._world.arm.physics
         position, velocity, effort = self._line.stick(
             lambda: (physics.position, physics.velocity, physics.effort())
         )
@@ -39,6 +42,8 @@ class JointSensors:
         all_positions, all_velocities = self._position.copy(), np.zeros(len(self._names))
         all_efforts = self._effort.copy()
         all_positions[self._driven] = position
+        gripper = self._world.gripper
+        all_positions[self._fingers] = gripper.left, gripper.right
         all_velocities[self._driven] = velocity
         all_efforts[self._driven] = effort
         self._kinematics.update(position)

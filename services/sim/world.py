@@ -9,8 +9,10 @@ import numpy as np
 from services.sim.arm import Arm
 from services.sim.bag import Bag
 from services.sim.base import MobileBase, Vector
-from services.sim.carry import Carry
-from shared.spatial import Array
+from services.sim.carry import Carry, Tool
+from services.sim.gripper import Gripper
+from services.sim.kinematics import CARRY_HOME, HOME
+from shared.spatial import Array, rotation_from_vector
 
 
 @dataclass
@@ -35,9 +37,10 @@ class World:
     """
 
     def __init__(self, step: float, carry: Carry | None = None) -> None:
-        self.arm = Arm(step)
+        self.arm = Arm(step, HOME if carry is None else CARRY_HOME)
         self.base = MobileBase()
         self.bag = Bag()
+        self.gripper = Gripper()
         self.carry = carry
         self.time = 0.0
         self.contact_force = [0.0, 0.0, 0.0]
@@ -50,6 +53,7 @@ class World:
         if self.carry is not None:
             self.carry.reset()
         self.base = MobileBase()
+        self.gripper = Gripper()
         self.bag = Bag()
         self._pushes = []
         self.contact_force = [0.0, 0.0, 0.0]
@@ -62,13 +66,16 @@ class World:
         """Push the tool with a force (3,) [N] and a torque (3,) [Nm], base axes, for a duration [s]."""
         self._pushes.append(_Push(force, torque, duration))
 
-    def advance(self, twist: Array, base_velocity: Array) -> None:
+    def advance(self, twist: Array, base_velocity: Array, stopped: bool = False) -> None:
         """One physics step.
 
         Args:
             twist: that the arm is told to move its tool with (6,), relative to base.
             base_velocity: of the base: vx, vy [m/s], wz [rad/s] (3,).
+            stopped: whether the fingers have to stay where they are.
         """
+        if not stopped:
+            self.gripper.advance(self._step)
         vx, vy, wz = base_velocity.tolist()
         self.base.advance((vx, vy, wz), self._step)
         self.arm.feel(self.base)
@@ -82,7 +89,7 @@ class World:
             self._pushes = [push for push in self._pushes if push.left > 0.5 * self._step]
             torque = total.tolist()
         if self.carry is not None:
-            self.carry.advance()
+            force, torque = self._carried(self.carry, force, torque)
         self.arm.advance(twist, force, torque)
         x, y, z = force
         self.contact_force = list(self.base.turned((x, y, z)))
@@ -92,6 +99,29 @@ class World:
         """Position [m] of the tool in base."""
         x, y, z = self.arm.tool_position.tolist()
         return x, y, z
+
+    def _carried(
+        self, carry: Carry, force: list[float], torque: list[float] | None
+    ) -> tuple[list[float], list[float] | None]:
+        """Force [N] and torque [Nm] on the tool, base axes, with what the panel adds to them in this step."""
+        position, rotation = self.arm.kinematics.tool()
+        x, y, z = position.tolist()
+        vx, vy, vz, *spin = self.arm.tool_twist.tolist()
+        heading = rotation_from_vector((0.0, 0.0, self.base.yaw))
+        turning = heading.dot(spin)
+        turning[2] += self.base.velocity[2]
+        tool = Tool(
+            np.array(self.base.point((x, y, z))),
+            heading.dot(rotation),
+            np.array(self.base.velocity_of((x, y, z), (vx, vy, vz))),
+            turning,
+        )
+        wrench = carry.advance(tool, self.gripper)
+        if wrench is None:
+            return force, torque
+        added = rotation.dot(wrench[0])
+        turned = rotation.dot(wrench[1]) + (0.0 if torque is None else np.array(torque))
+        return (added + force).tolist(), turned.tolist()
 
     def _pull(self) -> list[float]:
         """Force (3) [N] of the bag on the tool in this step, base axes."""

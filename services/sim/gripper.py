@@ -1,0 +1,61 @@
+"""The parallel gripper's two fingers and their drives."""
+
+from __future__ import annotations
+
+TRAVEL = 0.045
+"""Way [m] of each finger from closed to open."""
+SPEED = 0.05
+"""Largest speed [m/s] of each finger."""
+EFFORT = 16.0
+"""Largest force [N] with which each finger closes."""
+EASE_ABOVE = 0.3
+"""Force [N] beyond the effort on both fingers at which the drives ease off."""
+EASE_SPEED = 0.002
+"""Speed [m/s] at which they do."""
+
+
+class Gripper:
+    """Each finger closes until it meets resistance of the wanted effort; its gear then holds it there.
+
+    A load across the fingers presses on one of them more than the effort, and on the other one less until it has
+    followed. When the load is gone both press too much; then the drives ease off.
+
+    Attributes:
+        left, right: distance [m] of each finger's pad from the middle, along the tool's y axis and against it.
+        pressed: force [N] of whatever is gripped on each finger's pad, left and right; set by who knows what that is.
+        holding: whether both fingers press on one thing.
+    """
+
+    def __init__(self) -> None:
+        self.left = self.right = 0.0
+        self.pressed = (0.0, 0.0)
+        self.holding = False
+        self._target = 0.0
+        self._effort = EFFORT
+
+    @property
+    def opening(self) -> float:
+        """Distance [m] between the fingers."""
+        return self.left + self.right
+
+    @property
+    def effort(self) -> float:
+        """Force [N] with which they close on what is between them."""
+        return min(*self.pressed, self._effort)
+
+    def command(self, opening: float, effort: float) -> None:
+        """Take over a wanted opening [m] and the effort [N] of each finger for it; what is too much is cut."""
+        self._target = 0.5 * min(opening, 2.0 * TRAVEL)
+        self._effort = min(effort, EFFORT)
+
+    def advance(self, dt: float) -> None:
+        """Let the drives move the fingers for ``dt`` [s]."""
+        left, right = self.pressed
+        eased = EASE_SPEED * dt if min(left, right) > self._effort + EASE_ABOVE else 0.0
+        self.left = self._moved(self.left, left, dt) + eased
+        self.right = self._moved(self.right, right, dt) + eased
+
+    def _moved(self, place: float, pressed: float, dt: float) -> float:
+        if place > self._target and pressed >= self._effort:
+            return place
+        return place + min(max(self._target - place, -SPEED * dt), SPEED * dt)
