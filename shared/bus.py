@@ -22,6 +22,10 @@ class Bus(Protocol):
         """Send a payload to every subscriber of the key."""
         ...
 
+    def wanted(self, key: str) -> bool:
+        """Whether anybody subscribes to the key at present."""
+        ...
+
     def subscribe(self, key: str, on_payload: OnPayload, work: Work | None = None) -> None:
         """Have every payload that arrives under the key handed over.
 

@@ -74,6 +74,10 @@ class LocalBus:
             due = self._scheduler.clock.now_ns() + self._latency_ns
             self._scheduler.at(due, partial(_deliver, self._subscribers[key], payload))
 
+    def wanted(self, key: str) -> bool:
+        """Whether anybody subscribes to the key."""
+        return key in self._subscribers
+
     def subscribe(self, key: str, on_payload: OnPayload, work: Work | None = None) -> None:
         """Have every payload under the key handed over; in simulated time no work lasts."""
 

@@ -8,6 +8,7 @@ import re
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import zenoh
 
@@ -185,12 +186,21 @@ class ZenohBus:
 
     def publish(self, key: str, payload: bytes) -> None:
         """Send a payload to every subscriber of the key; without a router it is dropped."""
+        self._publisher(key).put(payload)
+
+    def wanted(self, key: str) -> bool:
+        """Whether anybody subscribes to the key at present, as far as the router has told."""
+        # Zenoh's own type hints take this for a bool.
+        status: Any = self._publisher(key).matching_status
+        return bool(status.matching)
+
+    def _publisher(self, key: str) -> zenoh.Publisher:
         publisher = self._publishers.get(key)
         if publisher is None:
             with self._lock:
                 # Declared once: the first put of an undeclared key costs a round trip each time.
                 publisher = self._publishers[key] = self._declare(key)
-        publisher.put(payload)
+        return publisher
 
     def _declare(self, key: str) -> zenoh.Publisher:
         topic = topic_by_key(key)

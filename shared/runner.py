@@ -208,7 +208,9 @@ class Runner:
             self._seen[key] = latest.number
             age = seconds(now - latest.arrival_ns) + latest.delay
             readings[key] = Reading(latest.message, latest.header, age, new)
-        return Inputs(readings, refusals)
+        on_demand = self.service.wiring.on_demand
+        wanted = frozenset(topic.key for topic in on_demand if self._bus.wanted(topic.key))
+        return Inputs(readings, refusals, wanted)
 
     def _tell(self, fault: Fault | None) -> None:
         kind = "" if fault is None else f"{fault.kind.value} {fault.key}"

@@ -41,6 +41,7 @@ class Wiring:
         driver: the topic whose every new message causes a step, or a period [s].
         required: topics that have to be healthy for a step; otherwise the service brakes.
         optional: topics that are handed over if they are healthy in form, whatever their age.
+        on_demand: topics that are worth publishing only while somebody subscribes; ``Inputs.wanted`` tells.
         queries: queryables that the service answers itself.
         parameters: queryable of its parameters, if it has one.
         startup: time [s] that all required inputs have to be healthy before the first step.
@@ -51,6 +52,7 @@ class Wiring:
     driver: Topic | float
     required: tuple[Topic, ...] = ()
     optional: tuple[Topic, ...] = ()
+    on_demand: tuple[Topic, ...] = ()
     queries: tuple[Query, ...] = ()
     parameters: Query | None = None
     startup: float = 0.5
@@ -73,6 +75,7 @@ class Inputs:
 
     _readings: dict[str, Reading] = field(default_factory=dict)
     _refusals: dict[str, str] = field(default_factory=dict)
+    _wanted: frozenset[str] = frozenset()
 
     def __getitem__(self, topic: Topic[M]) -> Reading[M]:
         return self._readings[topic.key]
@@ -80,6 +83,10 @@ class Inputs:
     def get(self, topic: Topic[M]) -> Reading[M] | None:
         """The reading, or None if no message was ever accepted."""
         return self._readings.get(topic.key)
+
+    def wanted(self, topic: Topic) -> bool:
+        """Whether anybody subscribes to one of the wiring's ``on_demand`` topics."""
+        return topic.key in self._wanted
 
     def refusals(self, topic: Topic) -> str:
         """What was refused on the topic since the start, in words; empty if nothing."""

@@ -132,8 +132,8 @@ BASE_PARAMETERS = Query("base/parameters", "base", *_PARAMETERS)
 SIM_COMMAND = Query(
     "sim/command",
     ROBOT,
-    '`command` "reset"; "load" {`mass` kg}; "push" {`force`[3], `torque`[3], `duration` s}; "fault" {`target`, `kind`, '
-    "`value`}; simulation only",
+    '`command` "reset"; "load" {`mass` kg}; "push" {`force`[3], `torque`[3], `duration` s}; '
+    '"cover_marker"; "fault" {`target`, `kind`, `value`}; simulation only',
     "nothing",
 )
 

@@ -45,6 +45,7 @@ class Carry:
 
     Attributes:
         panel: the panel.
+        covered: whether something has been put over the marker on it.
 
     Args:
         spec: what it is like.
@@ -59,6 +60,7 @@ class Carry:
     def reset(self) -> None:
         """Back to the start."""
         self.panel = Panel(self._spec.panel)
+        self.covered = False
         self._grip = Grip(self._spec.grip_friction)
 
     def advance(self, tool: Tool, gripper: Gripper) -> tuple[Array, Array] | None:

@@ -20,10 +20,7 @@ LONGEST_PUSH = 600.0
 LONGEST_DELAY = 5.0
 """[s]"""
 _AXES = {"ft": 6, "joints": 8}
-_LATER = {
-    "hand": "there is no person in this scene",
-    "cover_marker": "there is no panel with a marker in this scene",
-}
+_NO_PANEL = 'there is no panel in this scene; start with scene="carry"'
 
 
 class Commands:
@@ -32,7 +29,13 @@ class Commands:
     def __init__(self, world: World, lines: Mapping[str, SensorLine]) -> None:
         self._world = world
         self._lines = lines
-        self._known = {"reset": self._reset, "load": self._load, "push": self._push, "fault": self._fault}
+        self._known = {
+            "reset": self._reset,
+            "load": self._load,
+            "push": self._push,
+            "cover_marker": self._cover_marker,
+            "fault": self._fault,
+        }
 
     def carry_out(self, request: Mapping[str, Any]) -> None:
         """Carry out one request.
@@ -41,8 +44,6 @@ class Commands:
             Refused: with one line that names what was given and what is allowed; nothing has happened then.
         """
         command = request.get("command")
-        if isinstance(command, str) and command in _LATER:
-            raise Refused(f"{command}: {_LATER[command]}")
         if not isinstance(command, str) or command not in self._known:
             raise Refused(f"command is {command!r}, allowed are {', '.join(self._known)}")
         self._known[command](request)
@@ -64,14 +65,21 @@ class Commands:
         torque = _vector(request.get("torque", [0.0] * 3), "torque", "Nm", LARGEST_TORQUE, 3)
         self._world.push(force, torque, _number(request, "duration", "s", 0.0, LONGEST_PUSH))
 
+    def _cover_marker(self, _request: Mapping[str, Any]) -> None:
+        if self._world.carry is None:
+            raise Refused(f"cover_marker: {_NO_PANEL}")
+        self._world.carry.covered = True
+
     def _fault(self, request: Mapping[str, Any]) -> None:
         target, kind = request.get("target"), request.get("kind")
-        if target == "camera":
-            raise Refused("target is 'camera': this robot has no camera")
+        if target == "camera" and self._world.carry is None:
+            raise Refused(f"target is 'camera': {_NO_PANEL}")
         if not isinstance(target, str) or target not in self._lines:
             raise Refused(f"target is {target!r}, allowed are {', '.join(self._lines)}")
         if not isinstance(kind, str) or kind not in KINDS:
             raise Refused(f"kind is {kind!r}, allowed are {', '.join(KINDS)}")
+        if target == "camera" and kind == "bias":
+            raise Refused("kind is 'bias': a camera has none; allowed are off, stuck, garbage, delay, ok")
         value: Array = np.zeros(1)
         if kind == "delay":
             value = np.array([_number(request, "value", "s", 0.0, LONGEST_DELAY)])

@@ -51,6 +51,8 @@ class Gripper:
     def advance(self, dt: float) -> None:
         """Let the drives move the fingers for ``dt`` [s]."""
         left, right = self.pressed
+        if left == right == 0.0 and self.left == self.right == self._target:
+            return
         eased = EASE_SPEED * dt if min(left, right) > self._effort + EASE_ABOVE else 0.0
         self.left = self._moved(self.left, left, dt) + eased
         self.right = self._moved(self.right, right, dt) + eased

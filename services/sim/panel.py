@@ -45,6 +45,7 @@ class Panel:
         body: position, rotation and motion.
         half: half its size (3,) [m].
         supported: whether the supports still stand.
+        trestles: where they stand: the middle of their upper edges (2, 3) [m], in world.
     """
 
     def __init__(self, spec: PanelSpec) -> None:
@@ -70,6 +71,9 @@ class Panel:
                 for along in SUPPORTS
                 for across in (-1.0, 1.0)
             ]
+        )
+        self.trestles: Array = centre + np.array(
+            [(along * length, 0.0, -thickness / 2.0) for along in SUPPORTS]
         )
         self._clear = centre[2] + CLEARED
         self.supported = True

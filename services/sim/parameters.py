@@ -6,6 +6,7 @@ from typing import Literal
 
 from services.sim.carry import CarrySpec
 from services.sim.panel import PanelSpec
+from services.sim.sight import Sight
 from shared.parameters import Parameters, Refused, Vector3, Vector6, parameter
 
 SLOWEST_RATE = 30.0
@@ -91,6 +92,18 @@ class SimParameters(Parameters):
         maximum=10.0,
         doc="of the fingers' pads on the panel: about 0.9 for rubber, several for pads that bite into foam",
     )
+    marker_id: int = parameter(0, unit="", minimum=0, maximum=49, doc="of the ArUco marker (DICT_4X4_50)")
+    marker_size: float = parameter(
+        0.12, unit="m", minimum=0.02, maximum=0.5, doc="printed width of the marker's black square"
+    )
+    marker_position: tuple[float, float] = parameter(
+        (-0.40, 0.0),
+        unit="m",
+        minimum=-1.5,
+        maximum=1.5,
+        doc="of the marker's centre on the panel's upper face, from the panel's centre along its x and y",
+    )
+    light: float = parameter(1.0, unit="1", minimum=0.0, maximum=2.0, doc="brightness; 0 = dark")
     seed: int = parameter(0, unit="", minimum=0, maximum=2**63 - 1, doc="of the sensor noise")
 
     def carry(self) -> CarrySpec:
@@ -99,6 +112,10 @@ class SimParameters(Parameters):
             self.panel_size, self.panel_mass, self.panel_friction, self.panel_stiffness, self.panel_position
         )
         return CarrySpec(panel, self.grip_friction)
+
+    def sight(self) -> Sight:
+        """What the camera sees of the carrying scenario."""
+        return Sight(self.panel_size, self.marker_id, self.marker_size, self.marker_position, self.light)
 
     def check(self) -> None:
         """Whether what depends on the sensors hears from them often enough.

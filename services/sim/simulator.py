@@ -8,12 +8,16 @@ from typing import Any
 import numpy as np
 
 from services.sim.base import LIMITS
+from services.sim.camera import Camera, Darkroom, OwnDarkroom
 from services.sim.carry import Carry
 from services.sim.commands import Commands
+from services.sim.eye import Eye
 from services.sim.ft_sensor import ForceTorqueSensor
 from services.sim.pace import Pace, Ticks
 from services.sim.parameters import SimParameters
 from services.sim.sensor_faults import SensorLine
+from services.sim.sight import Sight
+from services.sim.sights import Sights
 from services.sim.state import JointSensors
 from services.sim.world import World
 from shared import topics
@@ -37,7 +41,9 @@ class Simulator:
 
     max_delay = 0.2
 
-    def __init__(self, parameters: SimParameters) -> None:
+    def __init__(
+        self, parameters: SimParameters, darkroom: Callable[[Sight], Darkroom] = OwnDarkroom
+    ) -> None:
         self.parameters: Parameters = parameters
         self._settings = parameters
         self._ticks = Ticks(parameters.ft_rate, parameters.joint_rate, parameters.physics_rate)
@@ -53,14 +59,19 @@ class Simulator:
         )
         self.side = RobotSide(limits, parameters.base_type, simulated=True, base=LIMITS[parameters.base_type])
         self._sensor = ForceTorqueSensor(parameters.ft_noise, parameters.ft_bias, parameters.seed)
-        self._lines = {"ft": SensorLine(), "joints": SensorLine()}
+        self._lines = {"ft": SensorLine(), "joints": SensorLine(), "camera": SensorLine()}
+        self._eye = None
+        if carry is not None:
+            sight = parameters.sight()
+            self._eye = Eye(Sights(self.world, carry, sight), Camera(darkroom(sight)), self._lines["camera"])
         self._joints = JointSensors(self.world, self._lines["joints"])
         self._commands = Commands(self.world, self._lines)
         self._pace = Pace()
         self.wiring = Wiring(
             name="sim",
             driver=self._stretch / self._ticks.rate,
-            optional=(*RobotSide.INPUTS, topics.COMMAND_GRIPPER),
+            optional=(*RobotSide.INPUTS, topics.COMMAND_GRIPPER, topics.COMMAND_HEAD),
+            on_demand=(topics.SENSOR_CAMERA,),
             queries=(topics.SIM_COMMAND,),
             # A late tick is no reason to stop the world: the gate watches over the commands' age.
             overrun_share=1.0,
@@ -72,8 +83,14 @@ class Simulator:
         gripper = inputs.get(topics.COMMAND_GRIPPER)
         if gripper is not None and gripper.new and gripper.header.valid:
             self.world.gripper.command(gripper.message.opening, gripper.message.effort)
+        head = inputs.get(topics.COMMAND_HEAD)
+        if head is not None and head.new and head.header.valid:
+            self.world.head.command(head.message.pan, head.message.tilt)
         self._advance(inputs)
-        return [*self._outputs(), *self.side.report(dt, self.world.arm.limited_by)]
+        return [
+            *self._outputs(inputs.wanted(topics.SENSOR_CAMERA)),
+            *self.side.report(dt, self.world.arm.limited_by),
+        ]
 
     def brake(self, fault: Fault, dt: float) -> list[Output]:
         """The world stands still with the process."""
@@ -91,7 +108,8 @@ class Simulator:
     def notes(self) -> str:
         """Whether it keeps up, and the faults put on the sensors."""
         faults = (f"{name} sensor: {line.kind}" for name, line in self._lines.items() if line.kind != "ok")
-        return "; ".join(note for note in (self._pace.complaint, *faults) if note)
+        camera = self._eye.complaint if self._eye is not None else ""
+        return "; ".join(note for note in (self._pace.complaint, camera, *faults) if note)
 
     def _advance(self, inputs: Inputs) -> None:
         step = self._ticks.step * self._stretch
@@ -101,7 +119,7 @@ class Simulator:
             self.world.advance(twist, velocity, self.side.mode == "stopped")
         self._ticks.advance()
 
-    def _outputs(self) -> list[Output]:
+    def _outputs(self, watched: bool) -> list[Output]:
         tick = 1.0 / self._ticks.rate
         due = self._ticks.due
         ft = [Output(topics.SENSOR_FT, self._ft_sample())] if due(self._settings.ft_rate) else []
@@ -111,6 +129,9 @@ class Simulator:
             joint_state, tool = self._joints.measure()
             joints = [Output(topics.STATE_EE, tool), Output(topics.STATE_JOINTS, joint_state)]
         outputs += self._lines["joints"].send(joints, tick)
+        if self._eye is not None:
+            exposed = watched and due(self._settings.camera_rate)
+            outputs += self._eye.shots(exposed, self.world.time, tick, self._stretch)
         # Sensors keep their rates in simulated time, what is told of the rest its rate in real time.
         if due(topics.STATE_BASE.rate * self._stretch):
             outputs.append(Output(topics.STATE_BASE, self._base_state()))
@@ -140,7 +161,8 @@ class Simulator:
         bag, carry = self.world.bag, self.world.carry
         state = BagState(bag.mass, bag.height) if bag.present else None
         panel = None
+        visible = self._eye is not None and self._eye.sights.marker_visible()
         if carry is not None:
             body = carry.panel.body
             panel = PanelState(body.position, quaternion(body.rotation))
-        return SimWorld(self.world.time, panel, state, None, np.array(self.world.contact_force), False)
+        return SimWorld(self.world.time, panel, state, None, np.array(self.world.contact_force), visible)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from services.sim.head import JOINTS as HEAD
 from services.sim.kinematics import CHAIN, Kinematics, full_model, home, joint_names
 from services.sim.sensor_faults import SensorLine
 from services.sim.world import World
@@ -27,9 +28,10 @@ class JointSensors:
         self._kinematics = Kinematics()
         model = full_model()
         self._names = joint_names(model)
-        self._position = home(model)
+        self._position = home(model, world.start)
         self._effort = pin.computeGeneralizedGravity(model, model.createData(), self._position)
         self._driven = np.array([self._names.index(name) for name in CHAIN])
+        self._head = [self._names.index(name) for name in HEAD]
         self._fingers = [self._names.index(name) for name in FINGERS]
 
     def measure(self) -> tuple[JointState, EndEffector]:
@@ -44,6 +46,7 @@ class JointSensors:
         all_positions[self._driven] = position
         gripper = self._world.gripper
         all_positions[self._fingers] = gripper.left, gripper.right
+        all_positions[self._head] = self._world.head.position
         all_velocities[self._driven] = velocity
         all_efforts[self._driven] = effort
         self._kinematics.update(position)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from services.sim.bag import Bag
 from services.sim.base import MobileBase, Vector
 from services.sim.carry import Carry, Tool
 from services.sim.gripper import Gripper
+from services.sim.head import Head
 from services.sim.kinematics import CARRY_HOME, HOME
 from shared.spatial import Array, rotation_from_vector
 
@@ -29,6 +31,7 @@ class World:
 
     Attributes:
         time: simulated time [s] since the process started.
+        start: positions of the joints at the start [m, rad], by name; those not named are at zero.
         contact_force: force (3) [N] that bag and pushes exert on the tool, in world.
 
     Args:
@@ -37,7 +40,9 @@ class World:
     """
 
     def __init__(self, step: float, carry: Carry | None = None) -> None:
-        self.arm = Arm(step, HOME if carry is None else CARRY_HOME)
+        self.start: Mapping[str, float] = HOME if carry is None else CARRY_HOME
+        self.arm = Arm(step, self.start)
+        self.head = Head(self.start)
         self.base = MobileBase()
         self.bag = Bag()
         self.gripper = Gripper()
@@ -50,6 +55,7 @@ class World:
     def reset(self) -> None:
         """Back to the start: base and arm at home, no bag, no push. Time goes on."""
         self.arm.reset()
+        self.head.reset()
         if self.carry is not None:
             self.carry.reset()
         self.base = MobileBase()
@@ -72,10 +78,11 @@ class World:
         Args:
             twist: that the arm is told to move its tool with (6,), relative to base.
             base_velocity: of the base: vx, vy [m/s], wz [rad/s] (3,).
-            stopped: whether the fingers have to stay where they are.
+            stopped: whether fingers and head have to stay where they are.
         """
         if not stopped:
             self.gripper.advance(self._step)
+            self.head.advance(self._step)
         vx, vy, wz = base_velocity.tolist()
         self.base.advance((vx, vy, wz), self._step)
         self.arm.feel(self.base)
@@ -94,6 +101,10 @@ class World:
         x, y, z = force
         self.contact_force = list(self.base.turned((x, y, z)))
         self.time += self._step
+
+    def camera(self) -> tuple[Array, Array]:
+        """Position (3,) [m] and rotation (3, 3) of the head camera's optical frame in base."""
+        return self.head.camera(self.arm.physics.positions[0])
 
     def _tool(self) -> Vector:
         """Position [m] of the tool in base."""

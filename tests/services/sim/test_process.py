@@ -63,7 +63,7 @@ def test_a_bag_hangs_and_nonsense_is_refused(client: Client, simulator: Process)
     eventually(lambda: world.latest and world.latest.message.bag, 10.0, "a bag in sim/world")
     assert world.latest is not None
     assert world.latest.message.bag.mass == 2.0
-    with pytest.raises(Refused, match="allowed are reset, load, push, fault"):
+    with pytest.raises(Refused, match="allowed are reset, load, push"):
         client.ask(topics.SIM_COMMAND, {"command": "dance"})
     assert simulator.running
 
@@ -71,6 +71,21 @@ def test_a_bag_hangs_and_nonsense_is_refused(client: Client, simulator: Process)
 def test_it_ends_on_sigterm_with_status_0(simulator: Process) -> None:
     simulator.signal(signal.SIGTERM)
     assert simulator.wait(5.0) == 0
+
+
+def test_images_are_rendered_elsewhere_and_only_for_those_who_look(
+    client: Client, router: Router, start: StartProcess
+) -> None:
+    process = start("services.sim", "--connect", router.endpoint, "--set", 'scene="carry"')
+    eventually(lambda: "sim" in client.bus.living(), 20.0, "the simulator is alive")
+    assert not client.bus.wanted(topics.SENSOR_CAMERA.key)
+    camera, ft = client.watch(topics.SENSOR_CAMERA), client.watch(topics.SENSOR_FT)
+    eventually(lambda: camera.accepted >= 10, 30.0, "ten images")
+    assert camera.rejected == 0 and camera.latest is not None
+    assert len(camera.latest.message.data) > 5000
+    assert ft.accepted > 3 * camera.accepted
+    process.signal(signal.SIGTERM)
+    assert process.wait(5.0) == 0
 
 
 @pytest.mark.parametrize(

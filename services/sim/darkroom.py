@@ -1,0 +1,77 @@
+"""A process of its own for the camera's pictures: to render one takes longer than the wrist's sensor may be silent.
+
+Run as ``python -m services.sim.darkroom FD``: it takes what there is to see from that connection, sends images
+back, and ends when the other end is closed.
+"""
+
+from __future__ import annotations
+
+import signal
+import socket
+import subprocess
+import sys
+from multiprocessing.connection import Connection
+
+from services.sim.camera import developed
+from services.sim.sight import Look, Sight
+from services.sim.view import Renderer
+
+ENDED = "no pictures: the process that renders them has ended"
+
+
+class OtherDarkroom:
+    """Has pictures developed by another process.
+
+    Attributes:
+        complaint: why there are no pictures any more, or "".
+
+    Args:
+        sight: what does not change.
+    """
+
+    def __init__(self, sight: Sight) -> None:
+        ours, theirs = socket.socketpair()
+        with theirs:
+            descriptor = theirs.fileno()
+            # Its standard output would get the physics engine's greeting once more.
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", __name__, str(descriptor)],
+                pass_fds=[descriptor],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+            )
+        self.complaint = ""
+        self._connection = Connection(ours.detach())
+        self._connection.send(sight)
+
+    def expose(self, look: Look) -> None:
+        """Begin with a picture."""
+        try:
+            self._connection.send(look)
+        except OSError:
+            self.complaint = ENDED
+
+    def picture(self) -> bytes | None:
+        """The picture begun as a JPEG image, once, when it is ready."""
+        try:
+            return self._connection.recv_bytes() if self._connection.poll() else None
+        except (EOFError, OSError):
+            self.complaint = ENDED
+            return None
+
+
+def main(descriptor: int) -> None:
+    """Render until the other end is closed."""
+    # An interrupt from the keyboard reaches this process too; it is the other one that decides when to end.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    connection = Connection(descriptor)
+    try:
+        renderer = Renderer(connection.recv())
+        while True:
+            connection.send_bytes(developed(renderer, connection.recv()))
+    except (EOFError, OSError):
+        return
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))
