@@ -1,4 +1,4 @@
-"""The carrying scenario: the panel, and what the robot's gripper does to it."""
+"""The carrying scenario: the panel, and what the robot's gripper and a person do to it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ import numpy as np
 
 from services.sim.grip import Grip, about_tool, locate
 from services.sim.gripper import Gripper
+from services.sim.hands import Hands
 from services.sim.panel import Panel, PanelSpec
+from services.sim.person import Person
 from shared.spatial import Array, cross
 
 
@@ -19,10 +21,13 @@ class CarrySpec:
     Attributes:
         panel: the panel.
         grip_friction: coefficient between the fingers' pads and the panel.
+        person_force, person_torque: largest force [N] and torque [Nm] of the person.
     """
 
     panel: PanelSpec
     grip_friction: float
+    person_force: float = 60.0
+    person_torque: float = 20.0
 
 
 @dataclass(frozen=True)
@@ -41,10 +46,11 @@ class Tool:
 
 
 class Carry:
-    """A panel on its supports, in the gripper, or on the ground.
+    """A panel on its supports, in the gripper, in the person's hands, or on the ground.
 
     Attributes:
         panel: the panel.
+        person: who holds its other end.
         covered: whether something has been put over the marker on it.
 
     Args:
@@ -60,6 +66,7 @@ class Carry:
     def reset(self) -> None:
         """Back to the start."""
         self.panel = Panel(self._spec.panel)
+        self.person = Person(Hands(self._spec.person_force, self._spec.person_torque))
         self.covered = False
         self._grip = Grip(self._spec.grip_friction)
 
@@ -75,13 +82,13 @@ class Carry:
             twist[:3] = tool.rotation.T.dot(moving - tool.velocity - cross(tool.spin, arm))
             twist[3:] = tool.rotation.T.dot(body.spin - tool.spin)
         wrench = self._grip.wrench(gripper, pads, twist, self._step)
+        push, turn = self.person.step(self.panel, gripper.holding, self._step)
         if wrench is None or pads is None:
-            self.panel.step(_NOTHING, _NOTHING, self._step)
+            self.panel.step(push, turn, self._step)
             return None
         force, torque = wrench
-        push = tool.rotation.dot(force)
-        self.panel.step(push, tool.rotation.dot(torque) + cross(point - body.position, push), self._step)
+        added = tool.rotation.dot(force)
+        push = push + added
+        turn = turn + tool.rotation.dot(torque) + cross(point - body.position, added)
+        self.panel.step(push, turn, self._step)
         return -force, -about_tool(force, torque, pads.centre)
-
-
-_NOTHING: Array = np.zeros(3)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from services.sim import bag
+from services.sim import bag, script
 from services.sim.sensor_faults import KINDS, SensorLine
 from services.sim.world import World
 from shared.parameters import Refused
@@ -17,6 +17,8 @@ from shared.spatial import Array
 LARGEST_FORCE, LARGEST_TORQUE = 300.0, 50.0
 """Of a push [N, Nm]."""
 LONGEST_PUSH = 600.0
+FARTHEST = 20.0
+"""Of a target of the person's hands [m]."""
 LONGEST_DELAY = 5.0
 """[s]"""
 _AXES = {"ft": 6, "joints": 8}
@@ -33,6 +35,7 @@ class Commands:
             "reset": self._reset,
             "load": self._load,
             "push": self._push,
+            "hand": self._hand,
             "cover_marker": self._cover_marker,
             "fault": self._fault,
         }
@@ -64,6 +67,20 @@ class Commands:
         force = _vector(request.get("force", [0.0] * 3), "force", "N", LARGEST_FORCE, 3)
         torque = _vector(request.get("torque", [0.0] * 3), "torque", "Nm", LARGEST_TORQUE, 3)
         self._world.push(force, torque, _number(request, "duration", "s", 0.0, LONGEST_PUSH))
+
+    def _hand(self, request: Mapping[str, Any]) -> None:
+        if self._world.carry is None:
+            raise Refused(f"hand: {_NO_PANEL}")
+        person = self._world.carry.person
+        given, target = request.get("script"), request.get("target")
+        if (given is None) == (target is None):
+            raise Refused("hand takes either script, a name or TOML text, or target, 3 numbers in m")
+        if target is not None:
+            person.guide(_vector(target, "target", "m", FARTHEST, 3))
+        elif isinstance(given, str):
+            person.act(script.read(given))
+        else:
+            raise Refused(f"script is {given!r}, allowed is text")
 
     def _cover_marker(self, _request: Mapping[str, Any]) -> None:
         if self._world.carry is None:

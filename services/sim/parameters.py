@@ -92,6 +92,12 @@ class SimParameters(Parameters):
         maximum=10.0,
         doc="of the fingers' pads on the panel: about 0.9 for rubber, several for pads that bite into foam",
     )
+    person_force: float = parameter(
+        60.0, unit="N", minimum=0.0, maximum=200.0, doc="largest force of the person's hands"
+    )
+    person_torque: float = parameter(
+        20.0, unit="Nm", minimum=0.0, maximum=50.0, doc="largest torque of the person's hands"
+    )
     marker_id: int = parameter(0, unit="", minimum=0, maximum=49, doc="of the ArUco marker (DICT_4X4_50)")
     marker_size: float = parameter(
         0.12, unit="m", minimum=0.02, maximum=0.5, doc="printed width of the marker's black square"
@@ -111,7 +117,7 @@ class SimParameters(Parameters):
         panel = PanelSpec(
             self.panel_size, self.panel_mass, self.panel_friction, self.panel_stiffness, self.panel_position
         )
-        return CarrySpec(panel, self.grip_friction)
+        return CarrySpec(panel, self.grip_friction, self.person_force, self.person_torque)
 
     def sight(self) -> Sight:
         """What the camera sees of the carrying scenario."""

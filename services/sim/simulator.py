@@ -27,7 +27,7 @@ from shared.messages import BaseState, FtSample, GripperState
 from shared.parameters import Parameters
 from shared.robot_side import RobotSide
 from shared.service import Inputs, Output, Wiring
-from shared.sim_messages import BagState, PanelState, SimWorld
+from shared.sim_messages import BagState, HandState, PanelState, SimWorld
 from shared.spatial import quaternion
 from shared.topics import Query
 
@@ -160,9 +160,12 @@ class Simulator:
     def _world_state(self) -> SimWorld:
         bag, carry = self.world.bag, self.world.carry
         state = BagState(bag.mass, bag.height) if bag.present else None
-        panel = None
+        panel = hand = None
         visible = self._eye is not None and self._eye.sights.marker_visible()
         if carry is not None:
             body = carry.panel.body
             panel = PanelState(body.position, quaternion(body.rotation))
-        return SimWorld(self.world.time, panel, state, None, np.array(self.world.contact_force), visible)
+            if carry.person.asked:
+                hands = carry.person.hands
+                hand = HandState(hands.place, hands.force, hands.torque)
+        return SimWorld(self.world.time, panel, state, hand, np.array(self.world.contact_force), visible)

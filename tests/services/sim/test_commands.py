@@ -71,10 +71,10 @@ def test_reset_takes_bag_pushes_and_faults_away_and_the_arm_home(rig: Rig) -> No
 @pytest.mark.parametrize(
     ("request_", "says"),
     [
-        ({}, "reset, load, push, cover_marker, fault"),
-        ({"command": "dance"}, "'dance', allowed are reset, load, push, cover_marker, fault"),
+        ({}, "reset, load, push, hand, cover_marker, fault"),
+        ({"command": "dance"}, "'dance', allowed are reset, load, push, hand, cover_marker, fault"),
         ({"command": ["load"]}, "allowed are"),
-        ({"command": "hand", "script": "carry"}, "allowed are"),
+        ({"command": "hand", "script": "carry"}, "no panel"),
         ({"command": "cover_marker"}, "no panel"),
         ({"command": "load"}, "mass is None, allowed is a number from 0 to 20 kg"),
         ({"command": "load", "mass": -1}, "mass is -1"),

@@ -1,0 +1,106 @@
+"""A person's two hands at the panel's far edge: as stiff as human arms, and no stronger."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from services.sim.panel import Panel
+from shared.spatial import Array, cross, rotation_from_vector, rotation_vector
+
+STIFFNESS, ANGULAR_STIFFNESS = 500.0, 40.0
+"""[N/m, Nm/rad]"""
+DAMPING_RATIO = 0.7
+INSET = 0.03
+"""How far [m] from the edge the hands hold it."""
+
+
+class Hands:
+    """What they do to the panel follows from where they want to be and where it is.
+
+    Attributes:
+        holding: whether they hold the panel.
+        position, rotation: where they want to be: (3,) [m] and (3, 3), in world.
+        lifting: force [N] upwards that they add to what follows from that.
+        force, torque: that they exert on the panel at ``place`` (3,) [N], (3,) [Nm], in world, in the last step.
+        strain: force [N] and torque [Nm] of their stiffness alone: what tells a person that something resists.
+        place: where they are (3,) [m], in world.
+
+    Args:
+        strength: largest force [N].
+        torque_strength: largest torque [Nm].
+    """
+
+    def __init__(self, strength: float, torque_strength: float) -> None:
+        self._strength = strength
+        self._torque_strength = torque_strength
+        self.holding = False
+        self.lifting = 0.0
+        self.position: Array = np.zeros(3)
+        self.rotation: Array = np.eye(3)
+        self.place: Array = np.zeros(3)
+        self.let_go()
+
+    def take_hold(self, panel: Panel) -> None:
+        """Take hold of the panel where it is, at ease."""
+        self.holding = True
+        self.position = self._on(panel)
+        self.rotation = panel.body.rotation.copy()
+        self._before = self.position, self.rotation
+
+    def ease(self, panel: Panel, share: float) -> None:
+        """Want a share [0, 1] less of what they do not have."""
+        self.lifting *= 1.0 - share
+        self.position = self.position + share * (self._on(panel) - self.position)
+        left = rotation_vector(panel.body.rotation.dot(self.rotation.T))
+        self.rotation = rotation_from_vector(share * left).dot(self.rotation)
+
+    def let_go(self) -> None:
+        """Let go of it."""
+        self.holding = False
+        self.lifting = 0.0
+        self.force: Array = np.zeros(3)
+        self.torque: Array = np.zeros(3)
+        self.strain = (0.0, 0.0)
+
+    def step(self, panel: Panel, dt: float) -> tuple[Array, Array]:
+        """Force (3,) [N] and torque about its centre (3,) [Nm] on the panel, world axes; then ``dt`` [s] pass."""
+        body = panel.body
+        self.place = self._on(panel)
+        if not self.holding:
+            return self.force, self.torque
+        arm = self.place - body.position
+        damping, angular = self._damping(panel)
+        wanted = (self.position - self._before[0]) / dt
+        turning = rotation_vector(self.rotation.dot(self._before[1].T)) / dt
+        self._before = self.position, self.rotation
+        pull = STIFFNESS * (self.position - self.place)
+        twist = ANGULAR_STIFFNESS * rotation_vector(self.rotation.dot(body.rotation.T))
+        self.strain = float(np.linalg.norm(pull)), float(np.linalg.norm(twist))
+        pull = pull + damping * (wanted - body.velocity - cross(body.spin, arm))
+        pull[2] += self.lifting
+        twist = twist + angular * (turning - body.spin)
+        self.force = bounded(pull, self._strength)
+        self.torque = bounded(twist, self._torque_strength)
+        return self.force, self.torque + cross(arm, self.force)
+
+    @staticmethod
+    def _on(panel: Panel) -> Array:
+        return panel.body.position + (panel.half[0] - INSET) * panel.body.rotation[:, 0]
+
+    @staticmethod
+    def _damping(panel: Panel) -> tuple[float, float]:
+        """[Ns/m, Nms/rad], for the half of the panel that each end carries."""
+        mass = 0.5 * panel.body.mass
+        inertia = mass * panel.half[0] ** 2 / 3.0
+        return (
+            2.0 * DAMPING_RATIO * math.sqrt(STIFFNESS * mass),
+            2.0 * DAMPING_RATIO * math.sqrt(ANGULAR_STIFFNESS * inertia),
+        )
+
+
+def bounded(vector: Array, largest: float) -> Array:
+    """A vector no longer than ``largest``, in its direction."""
+    size = math.sqrt(float(vector.dot(vector)))
+    return vector if size <= largest else vector * (largest / size)

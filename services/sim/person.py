@@ -1,0 +1,186 @@
+"""The simulated person: does one thing after the other with the panel, going by what a person sees and feels.
+
+He sees the panel, both its ends and the robot's fingers, and feels the force and the torque in his hands. He knows
+nothing of the robot's targets, forces or states.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from services.sim.hands import Hands
+from services.sim.panel import Panel
+from services.sim.script import Phase
+from shared.constants import GRAVITY
+from shared.spatial import Array, rotation_from_vector
+
+ENOUGH_FORCE, ENOUGH_TORQUE = 30.0, 12.0
+"""Resistance [N, Nm] above which he stops going on, and waits for the other end to follow."""
+GUIDED_SPEED = 0.15
+"""Speed [m/s] at which his hands go to a target given from outside."""
+HIGHER, LEVELLING = 0.01, 0.15
+"""He turns his hands at this rate [rad/s] while the other end is that much [m] higher than his own."""
+TOUCHING = 0.004
+"""Height [m] of his end of the panel above the ground that looks like none."""
+RELAXING = 0.5
+"""Time [s] in which he takes over or leaves a weight, and time constant with which he eases off before he lets go."""
+
+
+class Person:
+    """Moves his hands' wishes; what comes of them is up to the hands.
+
+    Attributes:
+        hands: his hands.
+        doing: what he does at present, for people to read; "" if nothing.
+
+    Args:
+        hands: his hands, at ease.
+    """
+
+    def __init__(self, hands: Hands) -> None:
+        self.hands = hands
+        self._phases: tuple[Phase, ...] = ()
+        self._target: Array | None = None
+        self._begin_with(0)
+
+    @property
+    def asked(self) -> bool:
+        """Whether he has been asked to do anything."""
+        return bool(self._phases) or self._target is not None
+
+    @property
+    def doing(self) -> str:
+        """What he is about, in one word."""
+        if self._target is not None:
+            return "guided"
+        return self._phases[self._index].do if self._index < len(self._phases) else ""
+
+    def act(self, phases: tuple[Phase, ...]) -> None:
+        """Do these things from now on, one after the other."""
+        self._phases = phases
+        self._target = None
+        self._begin_with(0)
+
+    def guide(self, target: Array) -> None:
+        """Hold the panel, and bring the hands to a position (3,) [m] of the world."""
+        self._target = target
+
+    def step(self, panel: Panel, gripped: bool, dt: float) -> tuple[Array, Array]:
+        """Force (3,) [N] and torque about its centre (3,) [Nm] on the panel, world axes.
+
+        Args:
+            panel: what he sees and holds.
+            gripped: whether the robot's fingers are closed on it, as anybody can see.
+            dt: time [s] since the last call.
+        """
+        if self._target is not None:
+            self._follow(panel, self._target, dt)
+        elif self._index < len(self._phases):
+            self._go_on(self._phases[self._index], panel, gripped, dt)
+        return self.hands.step(panel, dt)
+
+    def _begin_with(self, index: int) -> None:
+        self._index = index
+        self._elapsed = 0.0
+        self._share = 0.0
+        self._done_for = -1.0
+        self._origin: tuple[Array, Array, float] | None = None
+
+    def _go_on(self, phase: Phase, panel: Panel, gripped: bool, dt: float) -> None:
+        hands = self.hands
+        if self._origin is None:
+            self._origin = hands.position, hands.rotation, hands.lifting
+        self._elapsed += dt
+        if self._done_for < 0.0:
+            if self._does(phase, panel, gripped, dt) or self._elapsed > phase.patience:
+                self._done_for = 0.0
+            return
+        self._done_for += dt
+        if self._done_for >= phase.pause:
+            self._begin_with(self._index + 1)
+
+    def _does(self, phase: Phase, panel: Panel, gripped: bool, dt: float) -> bool:
+        """Do a bit of a phase; true if it is done."""
+        hands = self.hands
+        if phase.do == "wait":
+            return gripped == (phase.until == "grasp")
+        if phase.do == "take_hold":
+            hands.take_hold(panel)
+            return True
+        if phase.do == "let_go":
+            # Not all at once: what he still presses with would push the panel over.
+            hands.ease(panel, dt / RELAXING)
+            self._share += dt / (5.0 * RELAXING)
+            if self._share >= 1.0:
+                hands.let_go()
+            return self._share >= 1.0
+        if not hands.holding:
+            hands.take_hold(panel)
+            self._origin = hands.position, hands.rotation, hands.lifting
+        assert self._origin is not None
+        position, rotation, lifting = self._origin
+        if phase.do == "lower":
+            return self._lower(phase, panel, dt)
+        if phase.do == "turn":
+            smooth = self._progress(abs(phase.angle) / phase.speed, dt)
+            axis = np.array((0.0, 0.0, 1.0)) if phase.about == "z" else rotation[:, 0]
+            hands.rotation = rotation_from_vector(smooth * phase.angle * axis).dot(rotation)
+            return self._share >= 1.0
+        way = np.array((0.0, 0.0, phase.height))
+        if phase.do == "move":
+            way = _heading(rotation).dot(phase.by)
+        smooth = self._progress(float(np.linalg.norm(way)) / phase.speed, dt)
+        hands.position = position + smooth * way
+        if phase.do == "lift":
+            hands.lifting = max(lifting, smooth * 0.5 * panel.body.mass * GRAVITY)
+        return self._share >= 1.0
+
+    def _progress(self, duration: float, dt: float) -> float:
+        """How far [0, 1] a movement of a duration [s] has got, gently at both ends; it waits while it is hard."""
+        if not self._hard():
+            self._share = min(1.0, self._share + dt / max(duration, dt))
+        return self._share * self._share * (3.0 - 2.0 * self._share)
+
+    def _hard(self) -> bool:
+        force, torque = self.hands.strain
+        return force > ENOUGH_FORCE or torque > ENOUGH_TORQUE
+
+    def _lower(self, phase: Phase, panel: Panel, dt: float) -> bool:
+        """Down until his end stands on the ground; then he leaves the weight to it, and levels the other end."""
+        hands, body = self.hands, panel.body
+        far = body.position + panel.half[0] * body.rotation[:, 0]
+        lowest = far[2] - float(np.abs(body.rotation[2, 1:]).dot(panel.half[1:]))
+        force, torque = hands.strain
+        if lowest > TOUCHING:
+            if force < ENOUGH_FORCE:
+                hands.position = hands.position - np.array((0.0, 0.0, phase.speed * dt))
+        else:
+            hands.lifting = max(0.0, hands.lifting - 0.5 * body.mass * GRAVITY * dt / RELAXING)
+        higher = -2.0 * panel.half[0] * float(body.rotation[2, 0])
+        if higher > HIGHER and torque < ENOUGH_TORQUE:
+            along = body.rotation[:, 0]
+            level = np.array((-along[1], along[0], 0.0)) / max(math.hypot(along[0], along[1]), 1e-6)
+            hands.rotation = rotation_from_vector(-LEVELLING * dt * level).dot(hands.rotation)
+        return lowest <= TOUCHING and hands.lifting == 0.0 and higher <= HIGHER
+
+    def _follow(self, panel: Panel, target: Array, dt: float) -> None:
+        hands = self.hands
+        if not hands.holding:
+            hands.take_hold(panel)
+        hands.lifting = min(
+            0.5 * panel.body.mass * GRAVITY, hands.lifting + 0.5 * panel.body.mass * GRAVITY * dt / RELAXING
+        )
+        way = target - hands.position
+        distance = float(np.linalg.norm(way))
+        if distance > 0.0 and not self._hard():
+            hands.position = hands.position + way * min(1.0, GUIDED_SPEED * dt / distance)
+
+
+def _heading(rotation: Array) -> Array:
+    """Axes (3, 3) forwards along the panel, to the left and up, of a panel with a rotation (3, 3)."""
+    x, y = float(rotation[0, 0]), float(rotation[1, 0])
+    size = max(math.hypot(x, y), 1e-6)
+    forwards = np.array((x / size, y / size, 0.0))
+    return np.column_stack((forwards, (-forwards[1], forwards[0], 0.0), (0.0, 0.0, 1.0)))
