@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from services.wrench.parameters import WrenchParameters
-from services.wrench.storage import default_folder
 from services.wrench.wrench import Wrench
 from shared.process import run
+from shared.storage import default_folder
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import tomllib
 from dataclasses import fields
 from pathlib import Path
@@ -19,20 +18,9 @@ import numpy as np
 from services.wrench.compensation import Compensation
 from services.wrench.identification import Identified
 from shared.parameters import Refused
+from shared.storage import write_whole
 
 _ENTRIES = 8
-
-
-def default_folder() -> Path:
-    """Where state is kept if nothing else is said: the user's state directory."""
-    return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "tandem"
-
-
-def _written(path: Path, text: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    fresh = path.with_name(f"{path.name}.{os.getpid()}")
-    fresh.write_text(text, encoding="utf-8")
-    fresh.replace(path)
 
 
 def save_payload(path: Path, result: Identified) -> None:
@@ -46,7 +34,7 @@ def save_payload(path: Path, result: Identified) -> None:
         value = getattr(result, item.name)
         lines.append(f"{item.name} = {value.tolist() if isinstance(value, np.ndarray) else value}")
     try:
-        _written(path, "\n".join(lines) + "\n")
+        write_whole(path, "\n".join(lines) + "\n")
     except OSError as problem:
         raise Refused(f"cannot write the payload to {path}: {problem.strerror}") from None
 
@@ -133,7 +121,7 @@ class Journal:
         entries.pop(str(session), None)
         kept = dict(list(entries.items())[1 - _ENTRIES :])
         try:
-            _written(
+            write_whole(
                 self._path, json.dumps({**kept, str(session): {"payload": payload, "compensation": plain}})
             )
             self.problem = ""
