@@ -1,0 +1,119 @@
+"""Markers in an image: exact corners, and both poses that they allow. The only module with OpenCV."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from services.task.edges import refined
+from services.task.marker import Candidate, Solution
+from shared.messages import CameraImage
+from shared.spatial import Array, rotation_from_vector
+
+Grey = NDArray[np.uint8]
+
+DICTIONARY = cv2.aruco.DICT_4X4_50
+_CORNER_WINDOW = 5
+"""Half the side [px] of the window in which a corner is refined at first; smaller for small markers."""
+_WINDOW_SHARE = 0.3
+"""The same as a share of a marker's module."""
+_RGB_CHANNELS = 3
+
+
+class BadImage(ValueError):
+    """An image that cannot be decoded; the text says why."""
+
+
+class Detector:
+    """Finds the markers of one dictionary.
+
+    Args:
+        size: side [m] of the printed black square.
+    """
+
+    def __init__(self, size: float) -> None:
+        # The robot's computer has other work to do; one image takes milliseconds either way.
+        cv2.setNumThreads(1)
+        half = size / 2
+        # Corners in the order in which the detector gives them, as IPPE's square form wants them.
+        corners = ((-half, half, 0.0), (half, half, 0.0), (half, -half, 0.0), (-half, -half, 0.0))
+        self._corners = np.array(corners)
+        settings = cv2.aruco.DetectorParameters()
+        settings.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        settings.cornerRefinementWinSize = _CORNER_WINDOW
+        settings.relativeCornerRefinmentWinSize = _WINDOW_SHARE
+        settings.cornerRefinementMaxIterations = 50
+        settings.cornerRefinementMinAccuracy = 0.005
+        # A damaged code is a doubtful one: no bit is corrected.
+        settings.errorCorrectionRate = 0.0
+        self._detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARY), settings)
+
+    def find(self, image: CameraImage) -> list[Candidate]:
+        """All markers in an image, with poses in its optical frame.
+
+        Raises:
+            BadImage: if the data is no image of the size that it claims.
+        """
+        grey = decoded(image)
+        fx, fy, cx, cy = image.intrinsics.tolist()
+        if fx <= 0.0 or fy <= 0.0:
+            raise BadImage(f"intrinsics are {image.intrinsics.tolist()}, wanted fx and fy above 0")
+        camera = np.array(((fx, 0.0, cx), (0.0, fy, cy), (0.0, 0.0, 1.0)))
+        corners, numbers, _ = self._detector.detectMarkers(grey)
+        if numbers is None:
+            return []
+        candidates = []
+        for number, found in zip(numbers.ravel(), corners, strict=True):
+            exact = refined(found.reshape(4, 2).astype(float), lambda points: _brightness(grey, points))
+            solutions = () if exact is None else self._solutions(exact, camera, image.distortion)
+            candidates.append(Candidate(int(number), solutions))
+        return candidates
+
+    def _solutions(self, corners: Array, camera: Array, distortion: Array) -> tuple[Solution, ...]:
+        """Both minima of the reprojection error, the better first; each refined until it is one."""
+        count, turns, shifts, _ = cv2.solvePnPGeneric(
+            self._corners, corners, camera, distortion, flags=cv2.SOLVEPNP_IPPE_SQUARE
+        )
+        solutions = []
+        for turn, shift in zip(turns[:count], shifts[:count], strict=True):
+            minimum = cv2.solvePnPRefineLM(
+                self._corners, corners, camera, distortion, turn.copy(), shift.copy()
+            )
+            seen, _ = cv2.projectPoints(self._corners, *minimum, camera, distortion)
+            error = float(np.sqrt(np.mean(np.sum((seen.reshape(4, 2) - corners) ** 2, axis=1))))
+            turn, shift = (np.array(part, dtype=np.float64).reshape(3) for part in minimum)
+            if np.isfinite(turn).all() and np.isfinite(shift).all() and shift[2] > 0.0:
+                solutions.append(Solution(shift, rotation_from_vector(turn), error))
+        return tuple(sorted(solutions, key=lambda solution: solution.error))
+
+
+def _brightness(grey: Grey, points: Array) -> Array:
+    """Interpolated brightness (n,) at points (n, 2) [px]; the rim goes on beyond the image."""
+    x, y = (np.ascontiguousarray(part, dtype=np.float32)[None, :] for part in points.T)
+    sampled = cv2.remap(grey, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return sampled.ravel().astype(float)
+
+
+def decoded(image: CameraImage) -> Grey:
+    """The image in grey (height, width), 8 bits.
+
+    Raises:
+        BadImage: if the data is no image of the size that it claims.
+    """
+    width, height = image.width, image.height
+    data = np.frombuffer(image.data, dtype=np.uint8)
+    if image.encoding == "jpeg":
+        try:
+            grey = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE) if data.size else None
+        except cv2.error as problem:
+            raise BadImage(f"jpeg data cannot be decoded: {problem.err}") from None
+        if grey is None:
+            raise BadImage(f"{data.size} bytes of jpeg data cannot be decoded")
+        if grey.shape != (height, width):
+            raise BadImage(f"jpeg is {grey.shape[1]} x {grey.shape[0]}, declared are {width} x {height}")
+        return grey.astype(np.uint8, copy=False)
+    if data.size != width * height * _RGB_CHANNELS:
+        raise BadImage(f"{data.size} bytes of rgb8 data, wanted {width} x {height} x {_RGB_CHANNELS}")
+    grey = cv2.cvtColor(data.reshape(height, width, _RGB_CHANNELS), cv2.COLOR_RGB2GRAY)
+    return grey.astype(np.uint8, copy=False)

@@ -1,0 +1,172 @@
+"""Which marker to believe: what a detector found becomes one trusted pose in base, or the reason why not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from services.task.faults import Present
+from services.task.geometry import Pose
+from shared.spatial import Array
+
+_SMOOTHING = 0.3
+"""Share [1] of a new pose in the trusted one: a single image is off by up to twice as much."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """One pose that the four corners allow.
+
+    Attributes:
+        position: marker (3,) [m] in the optical frame.
+        rotation: marker (3, 3) in the optical frame; marker axes: x right, y up on the print, z out of it.
+        error: root mean square reprojection error [px].
+    """
+
+    position: Array
+    rotation: Array
+    error: float
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A marker in an image: its number and the poses that it may have, the better one first."""
+
+    number: int
+    solutions: tuple[Solution, ...]
+
+
+@dataclass(frozen=True)
+class MarkerLimits:
+    """What a marker has to be like to be believed.
+
+    Attributes:
+        number: its id.
+        error: largest reprojection error [px].
+        ambiguity: how many times worse the second solution has to fit [1].
+        same_angle: solutions closer than this [rad] are one.
+        jump: largest distance [m] from the last accepted pose.
+        jump_angle: largest angle [rad] from it.
+        max_age: age [s] up to which a pose is used.
+        confirm: images that have to agree before the first pose is used.
+    """
+
+    number: int
+    error: float = 0.6
+    ambiguity: float = 2.0
+    same_angle: float = 0.05
+    jump: float = 0.05
+    jump_angle: float = 0.2
+    max_age: float = 0.5
+    confirm: int = 3
+
+
+class MarkerTracker:
+    """Keeps the trusted pose of the marker in base.
+
+    The first ``confirm`` accepted images have to agree; then each has to agree with the one before. A pose older than
+    ``max_age`` is forgotten, so that a panel that was really moved is found again, by as many images as at first.
+    """
+
+    def __init__(self, limits: MarkerLimits) -> None:
+        self._limits = limits
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything seen."""
+        self._pose: Pose | None = None
+        self._age = 0.0
+        self._confirmed = 0
+        self._since_image = 0.0
+        self._image_seen = False
+        self._doubt: Present | None = None
+
+    @property
+    def pose(self) -> Pose | None:
+        """The marker in base, if it is to be trusted now."""
+        if self._pose is None or self._confirmed < self._limits.confirm:
+            return None
+        return self._pose
+
+    @property
+    def age(self) -> float:
+        """Time [s] since the image that the pose is from."""
+        return self._age
+
+    @property
+    def doubt(self) -> Present | None:
+        """Why there is no pose to trust; None if there is one."""
+        if self.pose is not None:
+            return None
+        limit = self._limits.max_age
+        if not self._image_seen:
+            return Present("camera_never")
+        if self._since_image > limit:
+            return Present("camera_silent", f"{self._since_image:.1f} s, allowed are {limit:g} s")
+        if self._doubt is None:
+            return Present("marker_new", f"{self._confirmed} of {self._limits.confirm} images")
+        return self._doubt
+
+    def advance(self, dt: float) -> None:
+        """Let time [s] pass."""
+        self._since_image += dt
+        self._age += dt
+        if self._age > self._limits.max_age:
+            self._pose, self._confirmed = None, 0
+
+    def broken(self, problem: str) -> None:
+        """An image came that cannot be read."""
+        self._image_seen, self._doubt = True, Present("camera_broken", problem)
+
+    def look(self, found: Sequence[Candidate], camera: Pose, age: float) -> None:
+        """Take in what an image shows.
+
+        Args:
+            found: all markers in it.
+            camera: the optical frame in base when it was taken.
+            age: time [s] since it was taken.
+        """
+        self._image_seen, self._since_image = True, age
+        self._doubt = self._accept(found, camera, age)
+
+    def _accept(self, found: Sequence[Candidate], camera: Pose, age: float) -> Present | None:
+        limits = self._limits
+        if age > limits.max_age:
+            return Present("marker_old", f"{age:.2f} s, allowed are {limits.max_age:g} s")
+        ours = [candidate for candidate in found if candidate.number == limits.number]
+        if not ours:
+            others = ", ".join(str(candidate.number) for candidate in found[:5])
+            if others:
+                return Present("marker_other", f"seen {others}, wanted {limits.number}")
+            return Present("marker_missing")
+        if len(ours) > 1:
+            return Present("marker_twice", f"{len(ours)} with the number {limits.number}")
+        doubt = self._doubtful(ours[0].solutions)
+        if doubt is not None:
+            return doubt
+        best = ours[0].solutions[0]
+        pose = camera @ Pose(best.position, best.rotation)
+        if self._pose is not None:
+            away, turned = pose.distance(self._pose), pose.angle(self._pose)
+            if away > limits.jump or turned > limits.jump_angle:
+                allowed = f"allowed are {limits.jump:g} m and {limits.jump_angle:g} rad"
+                return Present("marker_jump", f"{away:.2f} m and {turned:.2f} rad, {allowed}")
+            pose = self._pose.blended(pose, _SMOOTHING)
+        self._pose, self._age = pose, age
+        self._confirmed = min(self._confirmed + 1, limits.confirm)
+        return None
+
+    def _doubtful(self, solutions: Sequence[Solution]) -> Present | None:
+        """Why the corners give no clear pose, if they do not."""
+        limits = self._limits
+        if not solutions:
+            return Present("marker_error", "no pose fits its corners")
+        best = solutions[0]
+        if best.error > limits.error:
+            return Present("marker_error", f"{best.error:.2f} px, allowed are {limits.error:g} px")
+        for other in solutions[1:]:
+            apart = Pose(best.position, best.rotation).angle(Pose(other.position, other.rotation))
+            if apart > limits.same_angle and other.error < limits.ambiguity * best.error:
+                ratio = f"the second pose fits {other.error / max(best.error, 1e-9):.1f} times worse"
+                return Present("marker_ambiguous", f"{ratio}, wanted are {limits.ambiguity:g} times")
+        return None

@@ -1,0 +1,180 @@
+"""Detection against ground truth: rendered markers over poses, light, blur and cover; no doubtful one is used."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from services.task.detection import BadImage, Detector
+from services.task.geometry import Pose
+from services.task.marker import MarkerLimits, MarkerTracker
+from services.task.parameters import TaskParameters
+from tests.services.task.scene import HEIGHT, WIDTH, Camera, Light, Print, message, render, tilted
+
+NUMBER = 7
+LIMITS = TaskParameters(marker_id=NUMBER).marker_limits()
+SINGLE = MarkerLimits(number=NUMBER, error=LIMITS.error, ambiguity=LIMITS.ambiguity, confirm=1)
+
+
+def believed(found: list, limits: MarkerLimits = SINGLE) -> Pose | str:
+    """The pose that one image is worth, or the name of the doubt."""
+    tracker = MarkerTracker(limits)
+    tracker.look(found, Pose(np.zeros(3), np.eye(3)), 0.0)
+    return tracker.pose or tracker.doubt.name
+
+
+def trial(size: float, distance: float, tilt: float, light: Light, draw: int, **camera: object) -> tuple:
+    """Position [m] and attitude error [degrees] of a random view, or the doubt."""
+    random = np.random.default_rng(draw)
+    truth = tilted(
+        distance,
+        math.radians(tilt),
+        *random.uniform(0.0, 2 * math.pi, 2),
+        *(distance * random.uniform(-0.2, 0.2, 2)),
+    )
+    seen = Camera(**camera)
+    picture = render([Print(truth, size, NUMBER)], light, seen)
+    pose = believed(Detector(size).find(message(picture, seen)))
+    if isinstance(pose, str):
+        return (pose,)
+    return pose.distance(truth), math.degrees(pose.angle(truth))
+
+
+VIEWS = [
+    # size [m], distance [m], tilt [degrees], least share that has to be believed, largest error [m]
+    (0.10, 0.5, 15, 0.7, 0.01),
+    (0.10, 0.5, 40, 0.9, 0.01),
+    (0.10, 0.5, 60, 0.9, 0.01),
+    (0.10, 1.0, 20, 0.7, 0.01),
+    (0.10, 1.0, 40, 0.9, 0.01),
+    (0.10, 1.0, 55, 0.6, 0.01),
+    (0.10, 1.5, 15, 0.4, 0.01),
+    (0.10, 1.5, 40, 0.6, 0.02),  # too small for a centimetre: that takes 0.15 m
+    (0.15, 1.0, 60, 0.8, 0.01),
+    (0.15, 1.5, 30, 0.8, 0.01),
+    (0.15, 1.5, 50, 0.8, 0.01),
+    (0.20, 1.5, 60, 0.7, 0.01),
+]
+
+
+@pytest.mark.parametrize(("size", "distance", "tilt", "share", "error"), VIEWS)
+def test_within_a_centimetre_and_two_degrees(
+    size: float, distance: float, tilt: float, share: float, error: float
+) -> None:
+    results = [trial(size, distance, tilt, Light(seed=draw), draw) for draw in range(12)]
+    good = np.array([result for result in results if len(result) == 2])
+    assert len(good) >= share * len(results), [result for result in results if len(result) == 1]
+    assert good[:, 0].max() < error, f"{good[:, 0].max() * 1e3:.1f} mm"
+    assert good[:, 1].max() < 2.0, f"{good[:, 1].max():.1f} degrees"
+
+
+LIGHTS = {
+    "soft": Light(blur=1.0),
+    "sharp": Light(blur=0.0),
+    "noisy": Light(noise=6.0),
+    "dim": Light(level=0.35, noise=3.0),
+    "uneven": Light(gradient=1.0),
+    "pale": Light(ink=80.0, paper=170.0),
+}
+
+
+@pytest.mark.parametrize("name", LIGHTS)
+def test_whatever_the_light(name: str) -> None:
+    results = [trial(0.15, 1.0, 45, LIGHTS[name], draw) for draw in range(12)]
+    good = np.array([result for result in results if len(result) == 2])
+    assert len(good) >= 9, results
+    assert good[:, 0].max() < 0.01 and good[:, 1].max() < 2.0, good
+
+
+def test_distorted_lens() -> None:
+    distortion = np.array((0.08, -0.15, 0.001, -0.001, 0.0))
+    results = [trial(0.15, 1.0, 40, Light(), draw, distortion=distortion) for draw in range(12)]
+    good = np.array([result for result in results if len(result) == 2])
+    assert len(good) >= 10 and good[:, 0].max() < 0.01 and good[:, 1].max() < 2.0, results
+
+
+@pytest.mark.parametrize("encoding", ["jpeg", "rgb8"])
+def test_the_pose_is_in_base_through_the_camera_s(encoding: str) -> None:
+    in_camera = tilted(1.0, math.radians(40), 0.3, 1.0)
+    camera = Camera(Pose.from_rpy((0.2, 0.1, 1.2), (-2.0, 0.1, -1.6)))
+    image = message(render([Print(in_camera, 0.15, NUMBER)]), camera, encoding)
+    tracker = MarkerTracker(SINGLE)
+    tracker.look(Detector(0.15).find(image), Pose.of(image.position, image.orientation), 0.0)
+    assert tracker.pose is not None
+    assert tracker.pose.near(camera.pose @ in_camera, 0.005, math.radians(1.0))
+
+
+VIEW = tilted(1.0, math.radians(40), 0.7, 0.4)
+
+
+def test_nothing_there() -> None:
+    assert believed(Detector(0.1).find(message(render([])))) == "marker_missing"
+
+
+def test_other_number() -> None:
+    assert believed(Detector(0.1).find(message(render([Print(VIEW, number=8)])))) == "marker_other"
+
+
+def test_two_of_the_same_number() -> None:
+    aside = tilted(1.0, math.radians(40), 0.7, 0.4, x=0.3)
+    found = Detector(0.1).find(message(render([Print(VIEW), Print(aside)])))
+    assert believed(found) == "marker_twice"
+
+
+def test_another_beside_it_does_not_disturb() -> None:
+    aside = tilted(1.0, math.radians(40), 0.7, 0.4, x=0.3)
+    found = Detector(0.1).find(message(render([Print(VIEW), Print(aside, number=9)])))
+    pose = believed(found)
+    assert isinstance(pose, Pose) and pose.distance(VIEW) < 0.01
+
+
+@pytest.mark.parametrize("cover", [0.1, 0.3, 0.6, 1.0])
+def test_partly_covered_is_not_believed(cover: float) -> None:
+    result = believed(Detector(0.15).find(message(render([Print(VIEW, 0.15, cover=cover)]))))
+    assert result in ("marker_missing", "marker_error", "marker_other")
+
+
+def test_small_and_facing_the_camera_is_ambiguous() -> None:
+    doubts = [trial(0.06, 1.5, 4, Light(seed=draw, noise=4.0), draw) for draw in range(10)]
+    assert ("marker_ambiguous",) in doubts
+    assert all(len(doubt) == 1 or doubt[1] < 15.0 for doubt in doubts)
+
+
+def test_no_other_pose_is_ever_believed_in_bad_pictures() -> None:
+    """Far, tilted, blurred, noisy: what is believed all the same is right."""
+    random = np.random.default_rng(5)
+    for draw in range(60):
+        distance, tilt = random.uniform(0.6, 1.8), random.uniform(5, 70)
+        light = Light(
+            0.6, random.uniform(0.3, 1.5), random.uniform(1, 8), random.uniform(0.3, 1.0), seed=draw
+        )
+        result = trial(0.12, distance, tilt, light, draw)
+        assert len(result) == 1 or (result[0] < 0.04 and result[1] < 10.0), (draw, distance, tilt, result)
+
+
+@pytest.mark.parametrize(
+    ("encoding", "data", "reason"),
+    [
+        ("jpeg", b"", "0 bytes of jpeg"),
+        ("jpeg", b"no image at all", "cannot be decoded"),
+        ("rgb8", b"123", "3 bytes of rgb8"),
+    ],
+)
+def test_unreadable_images_say_why(encoding: str, data: bytes, reason: str) -> None:
+    image = message(np.zeros((HEIGHT, WIDTH), np.uint8))
+    broken = type(image)(
+        WIDTH, HEIGHT, encoding, data, image.intrinsics, image.distortion, image.position, image.orientation
+    )
+    with pytest.raises(BadImage, match=reason):
+        Detector(0.1).find(broken)
+
+
+def test_size_that_is_not_the_declared_one() -> None:
+    image = message(np.zeros((HEIGHT, WIDTH), np.uint8))
+    wrong = type(image)(
+        320, 200, "jpeg", image.data, image.intrinsics, image.distortion, image.position, image.orientation
+    )
+    with pytest.raises(BadImage, match="640 x 480, declared are 320 x 200"):
+        Detector(0.1).find(wrong)

@@ -1,0 +1,118 @@
+"""Which marker poses are believed, without any image."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from services.task.geometry import Pose
+from services.task.marker import Candidate, MarkerLimits, MarkerTracker, Solution
+from shared.spatial import rotation_from_vector
+
+LIMITS = MarkerLimits(number=7, confirm=3, max_age=0.5)
+ORIGIN = Pose(np.zeros(3), np.eye(3))
+
+
+def seen(
+    x: float = 0.0, error: float = 0.1, other: float = 1.0, turn: float = 0.5, number: int = 7
+) -> Candidate:
+    first = Solution(np.array((x, 0.0, 1.0)), np.eye(3), error)
+    second = Solution(np.array((x, 0.0, 1.0)), rotation_from_vector((turn, 0.0, 0.0)), other)
+    return Candidate(number, (first, second))
+
+
+def tracker(images: int = 3) -> MarkerTracker:
+    made = MarkerTracker(LIMITS)
+    for _ in range(images):
+        made.advance(0.1)
+        made.look([seen()], ORIGIN, 0.0)
+    return made
+
+
+def doubt(made: MarkerTracker) -> str:
+    assert made.pose is None
+    return made.doubt.name
+
+
+def test_it_takes_three_images() -> None:
+    assert doubt(tracker(0)) == "camera_never"
+    assert doubt(tracker(2)) == "marker_new"
+    made = tracker(3)
+    assert made.pose is not None and made.doubt is None
+
+
+@pytest.mark.parametrize(
+    ("candidate", "name"),
+    [
+        (seen(number=8), "marker_other"),
+        (seen(error=0.7, other=9.0), "marker_error"),
+        (seen(error=0.2, other=0.3), "marker_ambiguous"),
+        (Candidate(7, ()), "marker_error"),
+    ],
+)
+def test_doubtful_ones_are_refused(candidate: Candidate, name: str) -> None:
+    made = tracker(0)
+    made.look([candidate], ORIGIN, 0.0)
+    assert doubt(made) == name
+    assert made.doubt.sentence
+
+
+def test_two_solutions_that_agree_are_not_ambiguous() -> None:
+    made = MarkerTracker(MarkerLimits(number=7, confirm=1))
+    made.look([seen(error=0.2, other=0.21, turn=0.01)], ORIGIN, 0.0)
+    assert made.pose is not None
+
+
+def test_a_jump_is_refused_and_the_pose_stays_until_it_is_old() -> None:
+    made = tracker()
+    before = made.pose
+    made.advance(0.1)
+    made.look([seen(x=0.2)], ORIGIN, 0.0)
+    assert made.pose is before
+    for _ in range(5):
+        made.advance(0.1)
+        made.look([seen(x=0.2)], ORIGIN, 0.0)
+    # The old one is forgotten; the panel was really moved, and is found again by as many images as at first.
+    assert made.pose is None
+    for _ in range(3):
+        made.advance(0.1)
+        made.look([seen(x=0.2)], ORIGIN, 0.0)
+    assert made.pose.position[0] == pytest.approx(0.2)
+
+
+def test_one_outlier_among_good_ones_changes_nothing() -> None:
+    made = tracker()
+    for x in (0.3, 0.0, -0.4, 0.0):
+        made.advance(0.1)
+        made.look([seen(x=x)], ORIGIN, 0.0)
+        assert made.pose.position[0] == pytest.approx(0.0)
+
+
+def test_no_pose_is_older_than_allowed() -> None:
+    made = tracker()
+    made.advance(0.45)
+    assert made.pose is not None and made.age == pytest.approx(0.45)
+    made.advance(0.1)
+    assert doubt(made) == "camera_silent"
+
+
+def test_an_old_image_is_refused() -> None:
+    made = tracker(0)
+    made.look([seen()], ORIGIN, 0.6)
+    assert doubt(made) in ("marker_old", "camera_silent")
+
+
+def test_covered_for_longer_than_allowed() -> None:
+    made = tracker()
+    for _ in range(6):
+        made.advance(0.1)
+        made.look([], ORIGIN, 0.0)
+    assert doubt(made) == "marker_missing"
+
+
+def test_smoothing_follows_slow_motion() -> None:
+    made = tracker()
+    for step in range(100):
+        made.advance(0.1)
+        made.look([seen(x=0.001 * step)], ORIGIN, 0.0)
+    assert made.pose.position[0] == pytest.approx(0.099, abs=0.005)
