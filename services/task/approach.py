@@ -1,0 +1,133 @@
+"""Up to the grasp: feeling nothing, finding the marker, going there, closing the gripper."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from services.task.geometry import Pose, outside
+from services.task.grasp import GraspWatch, doubts
+from services.task.parameters import TaskParameters
+from services.task.states import Decision, Grip, Seen, State
+from services.task.timers import Held
+
+_STILL = 0.02  # [m/s, rad/s]
+_FREE_AFTER = 0.5  # [s]
+_SWEEP_EVERY = 2.0  # [s]
+_ALIGNED, _ALIGNED_ANGLE = 0.02, 0.1
+"""Before it goes in, and while: sideways distance [m] and angle [rad] from the line to the grasp."""
+_ASTRAY = 0.05
+"""Sideways distance [m] from which it goes back and begins anew: the panel was moved."""
+_LAG = 0.1
+"""Largest distance [m] of the target ahead of the tool: what is in the way is pressed no harder by waiting longer."""
+_THERE, _THERE_ANGLE = 0.01, 0.05  # [m], [rad]
+
+
+class Approach:
+    """One attempt at a grasp; ``home`` is the tool's pose with the panel grasped, once it is."""
+
+    def __init__(self, parameters: TaskParameters, tool: Pose) -> None:
+        self._settings = parameters
+        self._rest = tool
+        self._offset = Pose.from_rpy(parameters.grasp_position, parameters.grasp_rpy)
+        self._free = Held(_FREE_AFTER)
+        self._watch = GraspWatch()
+        self._way = 0.0
+        self._time = 0.0
+
+    def enter(self, tool: Pose) -> None:
+        """Another state begins, with the tool there."""
+        self._rest, self._time = tool, 0.0
+
+    def calibrate(self, seen: Seen, dt: float) -> Decision:
+        """Wait until a compensated wrench says that nothing touches the tool."""
+        limit = self._settings.free_force
+        force = 0.0 if seen.wrench is None else float(np.linalg.norm(seen.wrench[:3]))
+        still = max(seen.speed, seen.turning) < _STILL
+        head = (self._settings.head_pan, self._settings.head_tilt)
+        if self._free.update(still and force < limit, dt):
+            return Decision("looking for the marker", self._rest, head=head, after=State.SEARCHING)
+        reason = "feeling whether the tool is free"
+        if force >= limit:
+            reason = f"{force:.1f} N on a free tool, allowed are {limit:g} N: let go of it, or `tandem tare`"
+        return Decision(reason, self._rest, head=head)
+
+    def search(self, seen: Seen, dt: float) -> Decision:
+        """Look until the marker is seen, within reach."""
+        settings = self._settings
+        self._time += dt
+        pans = (0.0, settings.head_sweep, 0.0, -settings.head_sweep)
+        step = 0 if seen.marker is not None else int(self._time / _SWEEP_EVERY)
+        pan = min(1.309, max(-1.309, settings.head_pan + pans[step % len(pans)]))
+        head = (pan, settings.head_tilt)
+        if seen.marker is None:
+            reason = seen.doubt.sentence if seen.doubt else "looking for the marker"
+        elif far := outside((seen.marker @ self._offset).position, settings.reach_low, settings.reach_high):
+            reason = f"the panel's grip is out of reach: {far}; move the panel or the robot"
+        else:
+            self._way = 0.0
+            return Decision("going to the panel", self._rest, head=head, after=State.APPROACHING)
+        if self._time > settings.search_patience:
+            return Decision(f"gave up searching: {reason}", self._rest, after=State.HOLDING)
+        return Decision(reason, self._rest, head=head)
+
+    def approach(self, seen: Seen, dt: float) -> Decision:
+        """To a point before the grasp, then straight in along the tool's x axis; only ever on a fresh pose."""
+        settings = self._settings
+        assert seen.marker is not None, "approaching without a fresh marker pose"
+        self._time += dt
+        grasp = seen.marker @ self._offset
+        if far := outside(grasp.position, settings.reach_low, settings.reach_high):
+            return Decision(f"the panel's grip moved out of reach: {far}", seen.tool, after=State.SEARCHING)
+        ahead = grasp.rotation.T @ (grasp.position - seen.tool.position)
+        sideways, angle = float(np.linalg.norm(ahead[1:])), grasp.angle(seen.tool)
+        left = settings.standoff - self._way
+        if sideways > _ASTRAY and self._way > 0.0:
+            self._way = 0.0
+        elif sideways < _ALIGNED and angle < _ALIGNED_ANGLE and ahead[0] - left < _LAG:
+            # Not before it is at the point before the grasp; then no farther ahead than it follows.
+            self._way = min(settings.standoff, self._way + settings.approach_speed * dt)
+        target = grasp.shifted(self._way - settings.standoff)
+        there = self._way >= settings.standoff and seen.tool.near(grasp, _THERE, _THERE_ANGLE)
+        if there and max(seen.speed, seen.turning) < _STILL:
+            return Decision("closing the gripper", seen.tool, after=State.GRASPING)
+        if self._time > settings.move_patience:
+            text = f"the grasp was not reached in {settings.move_patience:g} s: {np.linalg.norm(ahead):.2f} m and "
+            return Decision(
+                f"{text}{angle:.2f} rad are left; is something in the way?", seen.tool, after=State.HOLDING
+            )
+        where = "going in" if self._way > 0.0 else "going to the point before the grasp"
+        return Decision(f"{where}, {np.linalg.norm(ahead):.2f} m left", target)
+
+    def grasp(self, seen: Seen, dt: float) -> Decision:
+        """Close; carrying begins a second after width, effort and the gripper's word agree (CARRY 4)."""
+        settings = self._settings
+        self._time += dt
+        close = closing(settings)
+        reasons = ["state/gripper is silent"] if seen.gripper is None else self._doubts(seen)
+        if self._watch.settled(reasons, dt):
+            return Decision("lift the panel", seen.tool, gripper=close, after=State.CARRYING)
+        if reasons and self._time > settings.grasp_patience:
+            return Decision(f"the grasp failed: {', '.join(reasons)}", self._rest, after=State.HOLDING)
+        return Decision(f"closing the gripper: {', '.join(reasons) or 'it holds'}", self._rest, gripper=close)
+
+    def _doubts(self, seen: Seen) -> list[str]:
+        settings = self._settings
+        assert seen.gripper is not None
+        return doubts(seen.gripper, settings.panel_thickness, settings.grasp_width, settings.grasp_effort)
+
+
+def closing(parameters: TaskParameters) -> Grip:
+    """The command that closes, and keeps closed."""
+    return Grip(0.0, parameters.gripper_effort)
+
+
+def opening(parameters: TaskParameters) -> Grip:
+    """The command that opens."""
+    return Grip(parameters.gripper_open, parameters.gripper_effort)
+
+
+def is_open(seen: Seen, parameters: TaskParameters) -> bool:
+    """Whether the gripper is open and says that it holds nothing."""
+    gripper = seen.gripper
+    wide = parameters.panel_thickness + parameters.grasp_width / 2
+    return gripper is not None and gripper.opening >= wide and not gripper.holding

@@ -1,0 +1,136 @@
+"""From the lift to the retreat: target, nominal wrench and release while the panel is held."""
+
+from __future__ import annotations
+
+from services.task.approach import closing, is_open, opening
+from services.task.geometry import Pose, roll_since
+from services.task.level import LevelAssist, unlevel
+from services.task.nominal import NominalWrench
+from services.task.parameters import TaskParameters
+from services.task.release import ReleaseJudge, Stance, why_no_probe, why_no_release
+from services.task.states import Decision, Seen, State
+from services.task.target import carrying_target
+from services.task.timers import Held
+
+_OPEN_AFTER = 0.3  # [s]
+_BACK = 0.03  # [m]
+
+
+class Carry:
+    """One carry.
+
+    Args:
+        parameters: of the task.
+        home: the tool when the grasp was finished; x, y and yaw of it are the target's.
+        height: of the target at first [m].
+        nominal: what the robot carries already.
+    """
+
+    def __init__(
+        self, parameters: TaskParameters, home: Pose, height: float, nominal: NominalWrench | None = None
+    ) -> None:
+        self._settings = parameters
+        self.home = home
+        self.nominal = nominal or NominalWrench(parameters.half_weight)
+        self._level = LevelAssist(parameters.level_assist, height)
+        self._judge = ReleaseJudge()
+        self._opened = Held(_OPEN_AFTER)
+        self.asked = False
+        """A person said that the panel is to be let go where it is."""
+        self.opening = False
+        """The gripper opens: nothing holds the panel any more."""
+        self._time = 0.0
+        self._end: Pose | None = None
+
+    def carry(self, seen: Seen, dt: float) -> Decision:
+        """Follow the person; the target does what CARRY 1 and 2 say, the nominal wrench what 3 says."""
+        settings = self._settings
+        height = self._height(seen, dt)
+        target = carrying_target(self.home, seen.tool, height, settings.fixed_target)
+        force = self.nominal.carry(seen.force, dt)
+        stance = self._stance(seen)
+        probe = self._judge.may_probe(stance, dt)
+        if self.nominal.supported and probe:
+            return Decision(
+                "setting the panel down", target, force, after=State.RELEASING, gripper=closing(settings)
+            )
+        if not self.nominal.supported:
+            reason = f"lift the panel: the robot carries {-min(0.0, seen.force):.1f} of {settings.half_weight:.1f} N"
+        else:
+            missing = ", ".join(why_no_probe(stance)) or "about to stand"
+            reason = f"carrying; to be set down: {missing}"
+        return Decision(reason, target, force, base=True, gripper=closing(settings))
+
+    def release(self, seen: Seen, dt: float) -> Decision:
+        """Set down gently until the ground carries the panel, then open (CARRY 5)."""
+        if self.opening:
+            return self._open(seen, dt)
+        settings = self._settings
+        force = self.nominal.fade(dt) if settings.release_ramp else self.nominal.force
+        stance = self._stance(seen)
+        if self._judge.may_release(stance, dt, pose_matters=not self.asked):
+            return self.let_go(seen)
+        height = float(seen.tool.position[2]) - self._judge.press()
+        target = carrying_target(self.home, seen.tool, height, settings.fixed_target)
+        if not self.asked and self._judge.has_to_leave(stance):
+            self._level.height = float(seen.tool.position[2])
+            missing = ", ".join(why_no_probe(stance))
+            return Decision(
+                f"carrying on: {missing}", target, force, after=State.CARRYING, gripper=closing(settings)
+            )
+        missing_now = why_no_release(stance, self._judge.force)
+        if self.asked:
+            reason = (
+                f"letting go as asked once the robot carries less than 2.5 N, now {-self._judge.force:.1f} N; "
+                "`release` again opens at once"
+            )
+        else:
+            reason = f"setting down: {', '.join(missing_now) or 'it stands'}"
+        return Decision(reason, target, force, gripper=closing(settings))
+
+    def let_go(self, seen: Seen) -> Decision:
+        """Open from now on."""
+        self.opening, self._end, self._time = True, seen.tool, 0.0
+        return Decision("opening the gripper", seen.tool, gripper=opening(self._settings))
+
+    def _open(self, seen: Seen, dt: float) -> Decision:
+        self._time += dt
+        command = opening(self._settings)
+        if self._opened.update(is_open(seen, self._settings), dt):
+            assert self._end is not None
+            self._end, self._time = self._end.shifted(-self._settings.standoff), 0.0
+            return Decision("going back", seen.tool, after=State.RETREATING)
+        if self._time > self._settings.grasp_patience:
+            return Decision("the gripper does not open: look at it", seen.tool, after=State.HOLDING)
+        return Decision("opening the gripper", self._end, gripper=command)
+
+    def retreat(self, seen: Seen, dt: float) -> Decision:
+        """Straight back along the tool's x axis."""
+        assert self._end is not None
+        self._time += dt
+        left = seen.tool.distance(self._end)
+        if left < _BACK:
+            return Decision("the panel was set down", self._end, after=State.DONE)
+        if self._time > self._settings.move_patience:
+            reason = (
+                f"the way back was not finished in {self._settings.move_patience:g} s, {left:.2f} m are left"
+            )
+            return Decision(reason, seen.tool, after=State.HOLDING)
+        return Decision(f"going back, {left:.2f} m left", self._end)
+
+    def _height(self, seen: Seen, dt: float) -> float:
+        settings = self._settings
+        if settings.level_assist == 0.0 or seen.wrench is None:
+            return float(self.home.position[2])
+        offset = unlevel(seen.tool, seen.wrench[3:], settings.panel_length, settings.level_compliance)
+        return self._level.update(float(seen.tool.position[2]), offset, dt)
+
+    def _stance(self, seen: Seen) -> Stance:
+        return Stance(
+            roll=roll_since(self.home, seen.tool),
+            pitch=float(seen.tool.rpy[1]),
+            height=float(seen.tool.position[2]) - self._settings.half_width,
+            speed=seen.speed,
+            turning=seen.turning,
+            force=seen.force,
+        )

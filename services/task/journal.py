@@ -1,0 +1,197 @@
+"""What outlives the process: where the carry stands, in a small file, and whether a restart may go by it.
+
+Times are the machine's steady clock, which goes on when the process does not; after a reboot it begins anew, and a
+journal from before lies in the future or is old.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from services.task.geometry import Pose
+from services.task.parameters import TaskParameters
+from services.task.states import Seen, State
+from shared.storage import write_whole
+
+_VERSION = 1
+_KEPT = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """One carry.
+
+    Attributes:
+        session: of the robot process.
+        state: of the task.
+        home: the tool when the grasp was finished.
+        target: the last one sent.
+        mass: of the panel [kg].
+        nominal: nominal force along z [N].
+        supported: whether the panel was lifted.
+        written: when, steady clock [s].
+    """
+
+    session: int
+    state: State
+    home: Pose
+    target: Pose
+    mass: float
+    nominal: float
+    supported: bool
+    written: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Recalled:
+    """What a restart makes of its journal.
+
+    Attributes:
+        entry: to go on from, without a jump.
+        kept: what is known of a carry that can only be held where the tool is now.
+        reason: why there is no ``entry``; empty without a journal.
+    """
+
+    entry: Entry | None = None
+    kept: Entry | None = None
+    reason: str = ""
+
+
+class Journal:
+    """One file per run of a robot process, so that two robots on one machine do not mix.
+
+    Args:
+        folder: None keeps nothing.
+
+    Attributes:
+        problem: why the last access failed, empty if it did not.
+    """
+
+    def __init__(self, folder: Path | None) -> None:
+        self._folder = folder
+        self.problem = ""
+
+    def read(self, session: int) -> Entry | None:
+        """The entry of this run, else the newest one; None if there is none, or with a ``problem`` if it is torn."""
+        if self._folder is None or not self._folder.is_dir():
+            return None
+        ours = self._path(session)
+        found = sorted(self._folder.glob("*.json"), key=lambda path: (path == ours, path.stat().st_mtime))
+        for path in found[:-_KEPT]:
+            path.unlink(missing_ok=True)
+        if not found:
+            return None
+        try:
+            return _entry(json.loads(found[-1].read_text(encoding="utf-8")))
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as problem:
+            self.problem = f"the journal {found[-1]} is torn ({type(problem).__name__}: {problem})"
+            return None
+
+    def write(self, session: int, entry: Entry | None, now: float) -> None:
+        """Replace the file in one step, or remove it; a full disk is noted in ``problem`` and changes nothing else."""
+        if self._folder is None:
+            return
+        try:
+            if entry is None:
+                self._path(session).unlink(missing_ok=True)
+            else:
+                write_whole(self._path(session), json.dumps(_plain(entry, now)))
+            self.problem = ""
+        except OSError as problem:
+            text = f"cannot write {self._path(session)} ({problem.strerror})"
+            self.problem = f"{text}: a restart would not know of the carry"
+
+    def _path(self, session: int) -> Path:
+        assert self._folder is not None
+        return self._folder / f"{session}.json"
+
+
+def judge(entry: Entry | None, problem: str, seen: Seen, parameters: TaskParameters, now: float) -> Recalled:
+    """Whether a restart may go by what it read.
+
+    Args:
+        entry: as read.
+        problem: why it could not be read.
+        seen: at the first step; the gripper is known.
+        parameters: of this process.
+        now: steady clock [s].
+    """
+    assert seen.gripper is not None
+    if entry is None:
+        return Recalled(reason=problem)
+    if not seen.gripper.holding:
+        whose = "another run of the robot" if entry.session != seen.session else "this run"
+        return Recalled(reason=f"the journal is of a carry in {whose}, and the gripper holds nothing now")
+    age = now - entry.written
+    if not 0.0 <= age <= parameters.journal_max_age:
+        how = "from before a reboot" if age < 0 else f"{age:.0f} s old"
+        return Recalled(reason=f"the journal is {how}, allowed are {parameters.journal_max_age:g} s")
+    if entry.mass != parameters.panel_mass:
+        return Recalled(
+            reason=f"the journal is of a panel of {entry.mass:g} kg, panel_mass is {parameters.panel_mass:g} kg"
+        )
+    if entry.session != seen.session:
+        return Recalled(
+            kept=entry, reason="the robot was restarted meanwhile, its poses mean something else now"
+        )
+    if entry.state not in (State.CARRYING, State.RELEASING):
+        return Recalled(kept=entry, reason=f"the task was {entry.state.value} before its restart")
+    if not seen.tool.near(entry.target, parameters.resume_distance, parameters.resume_angle):
+        away = seen.tool.distance(entry.target)
+        text = f"the tool is {away:.2f} m and {seen.tool.angle(entry.target):.2f} rad from its last target"
+        allowed = f"{parameters.resume_distance:g} m and {parameters.resume_angle:g} rad"
+        return Recalled(kept=entry, reason=f"{text}, allowed are {allowed}")
+    return Recalled(entry)
+
+
+def _plain(entry: Entry, now: float) -> dict[str, Any]:
+    return {
+        "version": _VERSION,
+        "session": entry.session,
+        "state": entry.state.value,
+        "home": _plain_pose(entry.home),
+        "target": _plain_pose(entry.target),
+        "mass": entry.mass,
+        "nominal": entry.nominal,
+        "supported": entry.supported,
+        "written": now,
+    }
+
+
+def _plain_pose(pose: Pose) -> list[float]:
+    return [*pose.position.tolist(), *pose.orientation.tolist()]
+
+
+def _entry(plain: dict[str, Any]) -> Entry:
+    if plain["version"] != _VERSION:
+        raise ValueError(f"version {plain['version']}")
+    session, supported = plain["session"], plain["supported"]
+    if not isinstance(session, int) or not isinstance(supported, bool):
+        raise TypeError("session or supported")
+    return Entry(
+        session=session,
+        state=State(plain["state"]),
+        home=_pose(plain["home"]),
+        target=_pose(plain["target"]),
+        mass=_number(plain["mass"]),
+        nominal=_number(plain["nominal"]),
+        supported=supported,
+        written=_number(plain["written"]),
+    )
+
+
+def _pose(plain: list[Any]) -> Pose:
+    values = [_number(value) for value in plain]
+    if len(values) != 7:
+        raise ValueError(f"a pose of {len(values)} numbers")
+    return Pose.of(values[:3], values[3:])
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise ValueError(f"{value!r} is no number")
+    return float(value)

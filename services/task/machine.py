@@ -1,0 +1,285 @@
+"""The state machine of the carrying task. It sees no clock, no bus and no image, and of faults their kinds only."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from services.task.approach import Approach, closing, is_open, opening
+from services.task.carry import Carry
+from services.task.faults import Kind, Present
+from services.task.geometry import Pose, roll_since
+from services.task.grasp import GraspWatch
+from services.task.journal import Entry, Recalled
+from services.task.nominal import NominalWrench
+from services.task.parameters import TaskParameters
+from services.task.states import REACTIONS, Decision, Grip, Seen, State, patience
+from services.task.timers import Held
+from shared.parameters import Refused
+
+_OPEN_AFTER = 0.3  # [s]
+
+
+class Machine:
+    """States and commands.
+
+    Attributes:
+        state: of the task.
+        since: time [s] in it.
+        reason: one sentence: what it does or waits for.
+        grip: whether the gripper holds something, as far as is known; it opens in ``releasing`` and ``idle`` only.
+        ready: false until a restart has been judged by ``resume``.
+    """
+
+    def __init__(self, parameters: TaskParameters) -> None:
+        self._settings = parameters
+        self.state = State.IDLE
+        self.since = 0.0
+        self.reason = "waiting for the robot's state"
+        self.grip = False
+        self.ready = False
+        self._approach: Approach | None = None
+        self._carry: Carry | None = None
+        self._rest: Pose | None = None
+        self._waited = 0.0
+        self._opening = self._starting = False
+        self._opened = Held(_OPEN_AFTER)
+        self._watch = GraspWatch()
+        self._seen: Seen | None = None
+        self._faults: Sequence[Present] = ()
+
+    def resume(self, recalled: Recalled, seen: Seen) -> None:
+        """Begin where the journal says that the last process stopped, or idle; with a full gripper never idle."""
+        assert seen.gripper is not None
+        self.ready, self._seen, entry = True, seen, recalled.entry
+        self.grip = seen.gripper.holding
+        if entry is not None and entry.state in (State.CARRYING, State.RELEASING):
+            self._carry = self._recalled_carry(entry, entry.home)
+            self._go(State.CARRYING, "carrying on after a restart", seen)
+        elif self.grip:
+            self._carry = self._recalled_carry(recalled.kept, seen.tool) if recalled.kept else None
+            what = recalled.reason or "no journal says what it is"
+            self._go(State.HOLDING, f"the gripper holds something: {what}; `start` or `release`", seen)
+        else:
+            self._go(State.IDLE, recalled.reason or "ready: `tandem task start`", seen)
+
+    def entry(self, target: Pose | None) -> Entry | None:
+        """What a restart has to know; None while nothing is held."""
+        seen = self._seen
+        if not self.grip or seen is None:
+            return None
+        carry = self._carry
+        return Entry(
+            session=seen.session,
+            state=self.state,
+            home=carry.home if carry else seen.tool,
+            target=target or seen.tool,
+            mass=self._settings.panel_mass,
+            nominal=carry.nominal.force if carry else 0.0,
+            supported=carry.nominal.supported if carry else False,
+        )
+
+    @property
+    def rotation(self) -> float:
+        """How far the tool has turned about its x axis since the grasp [rad]."""
+        return roll_since(self._carry.home, self._seen.tool) if self._carry and self._seen else 0.0
+
+    def step(self, seen: Seen | None, faults: Sequence[Present], dt: float) -> Decision:
+        """One step.
+
+        Args:
+            seen: None if the tool's pose is not known.
+            faults: all that are present.
+            dt: time [s] since the last one.
+        """
+        self.since += dt
+        self._seen, self._faults = seen, self._with_slip(seen, faults, dt)
+        decision = self._react(dt) or self._work(dt)
+        self.reason = decision.reason
+        if decision.after is not None:
+            self._go(decision.after, decision.reason, seen)
+        return decision
+
+    def command(self, word: object) -> State:
+        """Do what a person asks.
+
+        Raises:
+            Refused: with the reason and what to do instead.
+        """
+        handlers = {
+            "start": self._start,
+            "abort": self._abort,
+            "release": self._release,
+            "reset": self._reset,
+        }
+        if not isinstance(word, str) or word not in handlers:
+            raise Refused(f"command is {word!r}, wanted start, abort, release or reset")
+        handlers[word]()
+        return self.state
+
+    def _react(self, dt: float) -> Decision | None:
+        """Stand still for a fault that concerns the state, and hold when it has lasted too long."""
+        concerns = [(patience(self.state, fault.kind, self._settings), fault) for fault in self._faults]
+        serious = [(limit, fault) for limit, fault in concerns if limit is not None]
+        if self.state is State.RELEASING and self._carry is not None and self._carry.opening:
+            # What has been let go cannot be held for a fault of what held it.
+            serious = [(limit, fault) for limit, fault in serious if fault.kind in (Kind.STOPPED, Kind.LOST)]
+        if not serious:
+            # Without the tool's pose there is nothing to compute; the last target stays.
+            self._waited = 0.0
+            return None if self._seen is not None else Decision(self.reason)
+        limit, fault = min(serious, key=lambda pair: (pair[0], list(Kind).index(pair[1].kind)))
+        self._rest = (self._seen.tool if self._seen else None) if self._waited == 0.0 else self._rest
+        self._waited += dt
+        if self._waited > limit:
+            return Decision(fault.sentence, self._rest, self._nominal(), after=State.HOLDING)
+        head = None
+        if self.state is State.CALIBRATING:
+            head = (self._settings.head_pan, self._settings.head_tilt)
+        return Decision(
+            f"waiting: {fault.sentence}", self._rest, self._nominal(), gripper=self._kept(), head=head
+        )
+
+    def _work(self, dt: float) -> Decision:
+        seen, approach, carry = self._seen, self._approach, self._carry
+        assert seen is not None
+        if self.state is State.IDLE:
+            return self._idle(seen, dt)
+        if self.state is State.DONE:
+            return Decision(self.reason)
+        if self.state is State.HOLDING:
+            self._rest = self._rest or seen.tool
+            return Decision(self.reason, self._rest, self._nominal(), gripper=self._kept())
+        steps = (
+            {}
+            if approach is None
+            else {
+                State.CALIBRATING: approach.calibrate,
+                State.SEARCHING: approach.search,
+                State.APPROACHING: approach.approach,
+                State.GRASPING: approach.grasp,
+            }
+        )
+        if carry is not None:
+            steps |= {
+                State.CARRYING: carry.carry,
+                State.RELEASING: carry.release,
+                State.RETREATING: carry.retreat,
+            }
+        decision = steps[self.state](seen, dt)
+        if carry is not None and carry.opening:
+            self.grip = False
+        return decision
+
+    def _idle(self, seen: Seen, dt: float) -> Decision:
+        if not self._opening:
+            return Decision(self.reason)
+        self.grip = False
+        command = opening(self._settings)
+        if self._opened.update(is_open(seen, self._settings), dt):
+            self._opening = False
+            if self._starting:
+                return Decision("feeling whether the tool is free", seen.tool, after=State.CALIBRATING)
+            return Decision("the gripper is open", gripper=command)
+        if self.since > self._settings.grasp_patience:
+            self._opening = False
+            return Decision("the gripper does not open: look at it, then `start` again")
+        return Decision("opening the gripper", gripper=command)
+
+    def _go(self, state: State, reason: str, seen: Seen | None) -> None:
+        before, self.state, self.since, self.reason, self._waited = self.state, state, 0.0, reason, 0.0
+        self._rest = seen.tool if seen else None
+        self._opening = False
+        if state is State.CALIBRATING and seen is not None:
+            self._approach, self._carry = Approach(self._settings, seen.tool), None
+        elif state is State.GRASPING:
+            self.grip = True
+        elif state is State.CARRYING and before is State.GRASPING and seen is not None:
+            self._carry = Carry(self._settings, seen.tool, float(seen.tool.position[2]))
+        if self._approach is not None and seen is not None:
+            self._approach.enter(seen.tool)
+
+    def _start(self) -> None:
+        seen = self._known()
+        if self.state is State.HOLDING and self.grip:
+            blocking = [fault for fault in self._faults if fault.kind in REACTIONS[State.CARRYING]]
+            if blocking:
+                raise Refused(f"cannot carry on: {blocking[0].sentence}")
+            self._carry_from(seen)
+            return self._go(State.CARRYING, "carrying on", seen)
+        if self.state is not State.IDLE:
+            instead = (
+                "`reset` first" if self.state in (State.HOLDING, State.DONE) else "it is at work already"
+            )
+            raise Refused(f"start in state {self.state.value}: {instead}")
+        if problem := self._settings.too_heavy():
+            raise Refused(problem)
+        for fault in self._faults:
+            if fault.kind is Kind.STOPPED:
+                raise Refused(fault.sentence)
+        if seen.gripper is None:
+            raise Refused("state/gripper is not known: is the robot process running?")
+        if seen.gripper.holding:
+            raise Refused("the gripper holds something: `release` opens it")
+        self._open_idle(starting=True)
+
+    def _abort(self) -> None:
+        self._go(
+            State.HOLDING, "aborted: `start` carries on if the panel is held, `reset` begins anew", self._seen
+        )
+
+    def _release(self) -> None:
+        seen = self._known()
+        carry = self._carry
+        if self.state is State.RELEASING and carry is not None:
+            if carry.asked and not carry.opening:
+                carry.let_go(seen)
+            carry.asked = True
+        elif self.state is State.CARRYING or (self.state is State.HOLDING and self.grip):
+            if self.state is State.HOLDING:
+                carry = self._carry_from(seen)
+            assert carry is not None
+            carry.asked = True
+            self._go(State.RELEASING, "letting go as asked", seen)
+        elif self.state is State.IDLE:
+            self._open_idle(starting=False)
+        else:
+            raise Refused(f"release in state {self.state.value}: nothing is held")
+
+    def _reset(self) -> None:
+        if self.state not in (State.HOLDING, State.DONE, State.IDLE):
+            raise Refused(f"reset in state {self.state.value}: `abort` first")
+        gripper = self._known().gripper
+        if self.grip and (gripper is None or gripper.holding):
+            raise Refused("the gripper holds something: `release` lets it go, `start` carries on")
+        self.grip, self._opening, self._approach, self._carry = False, False, None, None
+        self._go(State.IDLE, "ready: `tandem task start`", self._seen)
+
+    def _open_idle(self, starting: bool) -> None:
+        self._opening, self._starting, self.since = True, starting, 0.0
+        self._opened.reset()
+
+    def _carry_from(self, seen: Seen) -> Carry:
+        """Carry on from where the tool is now, with what the robot carries already."""
+        nominal = self._carry.nominal if self._carry else None
+        self._carry = Carry(self._settings, seen.tool, float(seen.tool.position[2]), nominal)
+        return self._carry
+
+    def _recalled_carry(self, entry: Entry, home: Pose) -> Carry:
+        nominal = NominalWrench(self._settings.half_weight, entry.nominal, entry.supported)
+        return Carry(self._settings, home, float(entry.target.position[2]), nominal)
+
+    def _known(self) -> Seen:
+        if self._seen is None or not self.ready:
+            raise Refused(f"not yet: {self.reason}")
+        return self._seen
+
+    def _with_slip(self, seen: Seen | None, faults: Sequence[Present], dt: float) -> Sequence[Present]:
+        held = self.grip and self.state in (State.CARRYING, State.RELEASING)
+        slipped = self._watch.slipped(seen.gripper if seen and held else None, dt)
+        return (*faults, Present("slipped")) if slipped else faults
+
+    def _nominal(self) -> float:
+        return self._carry.nominal.force if self._carry and self.grip else 0.0
+
+    def _kept(self) -> Grip | None:
+        return closing(self._settings) if self.grip else None

@@ -1,0 +1,144 @@
+"""What a restart goes by: it comes back as it was, and whatever does not fit is refused with the reason."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from services.task.journal import Entry, Journal, judge
+from services.task.machine import Machine
+from services.task.parameters import TaskParameters
+from services.task.states import Seen, State
+from shared.messages import GripperState
+from tests.services.task.toy import START, Toy
+
+SETTINGS = TaskParameters()
+ENTRY = Entry(1, State.CARRYING, START, START.shifted(0.05), 1.5, -7.0, True, written=100.0)
+FULL, EMPTY = GripperState(0.05, 12.0, True), GripperState(0.08, 0.0, False)
+
+
+def seen(gripper: GripperState = FULL, session: int = 1, away: float = 0.0) -> Seen:
+    return Toy().seen(gripper=gripper, session=session, tool=START.shifted(away))
+
+
+def test_it_comes_back_as_it_was(tmp_path: Path) -> None:
+    Journal(tmp_path).write(1, ENTRY, 123.0)
+    again = Journal(tmp_path).read(1)
+    assert again is not None
+    assert (again.session, again.state, again.mass, again.nominal) == (1, State.CARRYING, 1.5, -7.0)
+    assert again.supported and again.written == 123.0
+    assert again.home.near(ENTRY.home, 1e-9, 1e-7) and again.target.near(ENTRY.target, 1e-9, 1e-7)
+
+
+def test_nothing_held_removes_it(tmp_path: Path) -> None:
+    journal = Journal(tmp_path)
+    assert journal.read(1) is None
+    journal.write(1, ENTRY, 0.0)
+    journal.write(1, None, 0.0)
+    assert journal.read(1) is None and not journal.problem
+
+
+def test_two_robots_do_not_mix_and_old_files_go(tmp_path: Path) -> None:
+    for session in range(20):
+        Journal(tmp_path).write(session, replace(ENTRY, session=session), 0.0)
+    again = Journal(tmp_path).read(3)
+    assert again is not None and again.session == 3
+    assert len(list(tmp_path.iterdir())) <= 8
+
+
+def torn(change: Callable[[dict], object]) -> Callable[[str], str]:
+    def apply(text: str) -> str:
+        content = json.loads(text)
+        change(content)
+        return json.dumps(content)
+
+    return apply
+
+
+TORN = {
+    "empty": lambda text: "",
+    "half": lambda text: text[: len(text) // 2],
+    "list": lambda text: "[]",
+    "field missing": torn(lambda content: content.pop("home")),
+    "text for a number": torn(lambda content: content.update(nominal="heavy")),
+    "NaN": torn(lambda content: content.update(mass=float("nan"))),
+    "short pose": torn(lambda content: content.update(target=[1.0, 2.0])),
+    "no rotation": torn(lambda content: content.update(home=[0.0] * 7)),
+    "unknown state": torn(lambda content: content.update(state="flying")),
+    "other version": torn(lambda content: content.update(version=99)),
+}
+
+
+@pytest.mark.parametrize("name", TORN)
+def test_torn_is_refused_with_the_reason(tmp_path: Path, name: str) -> None:
+    Journal(tmp_path).write(1, ENTRY, 0.0)
+    path = tmp_path / "1.json"
+    path.write_text(TORN[name](path.read_text()))
+    journal = Journal(tmp_path)
+    assert journal.read(1) is None and "torn" in journal.problem
+    machine = Machine(SETTINGS)
+    machine.resume(judge(None, journal.problem, seen(), SETTINGS, 0.0), seen())
+    assert machine.state is State.HOLDING and machine.grip and "torn" in machine.reason
+    machine.resume(judge(None, journal.problem, seen(EMPTY), SETTINGS, 0.0), seen(EMPTY))
+    assert machine.state is State.IDLE and "torn" in machine.reason
+
+
+def test_full_disk_is_noted_and_changes_nothing_else(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("no folder")
+    journal = Journal(tmp_path / "file")
+    journal.write(1, ENTRY, 0.0)
+    assert "cannot write" in journal.problem and "restart" in journal.problem
+
+
+def test_without_a_folder_nothing_is_kept() -> None:
+    journal = Journal(None)
+    journal.write(1, ENTRY, 0.0)
+    assert journal.read(1) is None
+
+
+@pytest.mark.parametrize("state", [State.CARRYING, State.RELEASING])
+def test_in_the_middle_of_carrying_it_goes_on(state: State) -> None:
+    machine = Machine(SETTINGS)
+    recalled = judge(replace(ENTRY, state=state), "", seen(), SETTINGS, 110.0)
+    machine.resume(recalled, seen())
+    assert machine.state is State.CARRYING and machine.grip
+    decision = machine.step(Toy().seen(gripper=FULL, tool=ENTRY.target), (), 0.02)
+    assert decision.target.near(ENTRY.target, 0.051, 0.01) and decision.nominal == -7.0
+    assert decision.gripper is not None and decision.gripper.opening == 0.0
+
+
+HELD = {
+    "far away": ({}, {"away": 0.5}, 110.0, "m and"),
+    "before the lift": ({"state": State.GRASPING}, {}, 110.0, "grasping before its restart"),
+    "already holding": ({"state": State.HOLDING}, {}, 110.0, "holding before its restart"),
+    "robot restarted": ({}, {"session": 2}, 110.0, "robot was restarted"),
+    "old": ({}, {}, 221.0, "121 s old, allowed are 120 s"),
+    "before a reboot": ({}, {}, 50.0, "before a reboot"),
+    "another panel": ({"mass": 2.0}, {}, 110.0, "2 kg, panel_mass is 1.5 kg"),
+}
+
+
+@pytest.mark.parametrize("name", HELD)
+def test_otherwise_a_full_gripper_is_held_where_it_is(name: str) -> None:
+    entry, now_seen, now, words = HELD[name]
+    sight = seen(**now_seen)
+    machine = Machine(SETTINGS)
+    machine.resume(judge(replace(ENTRY, **entry), "", sight, SETTINGS, now), sight)
+    assert machine.state is State.HOLDING and machine.grip
+    assert words in machine.reason, machine.reason
+    decision = machine.step(sight, (), 0.02)
+    assert decision.target.near(sight.tool, 1e-9, 1e-7)
+    assert decision.gripper is not None and decision.gripper.opening == 0.0
+
+
+@pytest.mark.parametrize("session", [1, 2])
+def test_with_an_empty_gripper_it_is_refused(session: int) -> None:
+    machine, sight = Machine(SETTINGS), seen(EMPTY, session)
+    machine.resume(judge(ENTRY, "", sight, SETTINGS, 110.0), sight)
+    assert machine.state is State.IDLE and not machine.grip
+    assert "the gripper holds nothing now" in machine.reason
+    assert machine.step(sight, (), 0.02).target is None

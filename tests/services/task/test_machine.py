@@ -1,0 +1,362 @@
+"""The state machine: a whole carry, each refusal and each reaction, without bus and clock."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+from services.task.faults import FAULTS, Kind, Present
+from services.task.journal import Recalled
+from services.task.machine import Machine
+from services.task.parameters import TaskParameters
+from services.task.states import REACTIONS, Decision, State
+from shared.parameters import Refused
+from tests.services.task.toy import Toy
+
+DT = 0.02
+
+
+class Play:
+    """A machine and a toy that does what it decides."""
+
+    def __init__(self, **parameters: object) -> None:
+        self.settings = TaskParameters(**parameters)
+        self.toy = Toy(self.settings)
+        self.machine = Machine(self.settings)
+        self.faults: list[Present] = []
+        self.states: list[State] = []
+        self.decision = Decision("")
+        self.changed: dict[str, object] = {}
+        self.opened_in: set[State] = set()
+        self.machine.resume(Recalled(), self.toy.seen())
+
+    @property
+    def state(self) -> State:
+        return self.machine.state
+
+    def tick(self, lost: bool = False) -> Decision:
+        state = self.state
+        seen = None if lost else self.toy.seen(**self.changed)
+        decision = self.decision = self.machine.step(seen, self.faults, DT)
+        if decision.target is not None:
+            self.toy.target = decision.target
+        if decision.gripper is not None:
+            self.toy.wanted = decision.gripper.opening
+            if decision.gripper.opening > 0.0:
+                self.opened_in |= {state}
+        self.toy.advance(DT)
+        if not self.states or self.states[-1] is not self.state:
+            self.states.append(self.state)
+        return decision
+
+    def run(self, duration: float, until: Callable[[], bool] = lambda: False) -> None:
+        for _ in range(round(duration / DT)):
+            if until():
+                return
+            self.tick()
+
+    def to(self, state: State, within: float = 60.0) -> None:
+        self.run(within, lambda: self.state is state)
+        assert self.state is state, f"{self.state}: {self.machine.reason}"
+
+    def reach(self, state: State) -> Play:
+        """Go through a carry up to a state."""
+        if state is State.IDLE:
+            return self
+        if state is State.HOLDING:
+            self.machine.command("abort")
+            return self
+        self.machine.command("start")
+        if state in (State.CALIBRATING, State.SEARCHING, State.APPROACHING, State.GRASPING):
+            self.to(state)
+            return self
+        self.to(State.CARRYING)
+        if state is State.CARRYING:
+            return self
+        self.toy.lifted = True
+        self.run(2.0)
+        self.toy.roll_rate = 0.2
+        self.run(20.0, lambda: self.machine.rotation > 1.5)
+        self.toy.roll_rate = 0.0
+        self.toy.far_height = self.toy.stands
+        self.to(State.RELEASING)
+        if state is not State.RELEASING:
+            self.to(state)
+        return self
+
+
+ORDER = [
+    State.IDLE,
+    State.CALIBRATING,
+    State.SEARCHING,
+    State.APPROACHING,
+    State.GRASPING,
+    State.CARRYING,
+    State.RELEASING,
+    State.RETREATING,
+    State.DONE,
+]
+
+
+def test_a_whole_carry() -> None:
+    play = Play().reach(State.DONE)
+    assert play.states == ORDER
+    assert play.opened_in == {State.IDLE, State.RELEASING}
+    assert not play.toy.gripped and play.toy.opening > 0.05
+    assert play.machine.rotation == pytest.approx(math.pi / 2, abs=0.3)
+    assert play.toy.tool.position[2] == pytest.approx(play.settings.half_width, abs=0.02)
+
+
+def test_target_of_the_paper_does_not_follow() -> None:
+    play = Play(fixed_target=True).reach(State.CARRYING)
+    home = play.toy.tool
+    play.toy.lifted, play.toy.roll_rate = True, 0.3
+    play.run(2.0)
+    assert play.decision.target.near(home, 1e-9, 1e-6)
+    assert play.decision.nominal == pytest.approx(-play.settings.half_weight)
+
+
+def test_without_level_assist_the_height_is_that_of_the_grasp() -> None:
+    play = Play(level_assist=0.0).reach(State.CARRYING)
+    home = float(play.toy.tool.position[2])
+    play.toy.lifted, play.toy.far_height = True, home - 0.2
+    play.run(2.0)
+    assert play.decision.target.position[2] == pytest.approx(home, abs=1e-3)
+
+
+def test_with_it_the_tool_follows_the_far_end_down() -> None:
+    play = Play().reach(State.CARRYING)
+    home = float(play.toy.tool.position[2])
+    play.toy.lifted, play.toy.far_height = True, home - 0.2
+    play.run(5.0)
+    assert play.toy.tool.position[2] == pytest.approx(home - 0.2, abs=0.02)
+
+
+def test_nominal_is_zero_before_the_lift_and_fades_in_the_release() -> None:
+    play = Play().reach(State.CARRYING)
+    play.run(1.0)
+    assert play.decision.nominal == 0.0 and "lift the panel" in play.machine.reason
+    play.toy.lifted = True
+    play.run(1.0)
+    assert play.decision.nominal == pytest.approx(-play.settings.half_weight)
+    play = Play().reach(State.RELEASING)
+    play.run(1.6)
+    assert play.decision.nominal == 0.0
+
+
+def test_a_panel_that_was_never_lifted_is_not_let_go() -> None:
+    play = Play(ground_height=0.5).reach(State.CARRYING)
+    play.toy.roll_rate = 0.2
+    play.run(20.0, lambda: play.machine.rotation > 1.5)
+    play.toy.roll_rate = 0.0
+    play.run(5.0)
+    assert play.state is State.CARRYING
+
+
+def test_turned_back_while_set_down_it_is_carried_on() -> None:
+    play = Play().reach(State.RELEASING)
+    play.toy.stands, play.toy.lifted = 0.0, True
+    play.toy.roll_rate = -0.8
+    play.to(State.CARRYING, 3.0)
+    assert play.toy.gripped and "carrying on" in play.machine.reason
+
+
+def test_base_is_enabled_while_carrying_only() -> None:
+    play = Play()
+    play.machine.command("start")
+    for _ in range(4000):
+        decision = play.tick()
+        assert not decision.base or play.state is State.CARRYING
+        play.toy.lifted |= play.state is State.CARRYING
+    assert play.state is State.CARRYING and play.decision.base
+
+
+@pytest.mark.parametrize("state", ORDER)
+def test_abort_from_everywhere_keeps_the_grip(state: State) -> None:
+    play = Play().reach(state)
+    held = play.machine.grip
+    assert play.machine.command("abort") is State.HOLDING
+    where = play.toy.tool
+    play.run(5.0)
+    assert play.state is State.HOLDING and play.machine.grip == held
+    assert play.toy.tool.near(where, 0.01, 0.05)
+    assert not play.decision.base and (play.decision.gripper is None) == (not held)
+
+
+@pytest.mark.parametrize("state", list(REACTIONS))
+@pytest.mark.parametrize("name", [name for name, (kind, _) in FAULTS.items() if kind is not Kind.BLIND])
+def test_faults_by_their_kind(state: State, name: str) -> None:
+    play = Play().reach(state)
+    held, kind = play.machine.grip, Present(name).kind
+    play.faults = [Present(name)]
+    play.tick()
+    reaction = REACTIONS[state].get(kind)
+    if reaction is None:
+        assert play.state is not State.HOLDING
+        return
+    assert (play.state is State.HOLDING) == (reaction == "now")
+    assert Present(name).sentence in play.machine.reason
+    play.run(10.0)
+    assert (play.state is State.HOLDING) == (reaction != "forever")
+    assert play.machine.grip == held, "whatever was held is held"
+
+
+def test_a_short_fault_is_waited_for_at_the_spot() -> None:
+    play = Play().reach(State.CARRYING)
+    play.toy.lifted = True
+    play.run(2.0)
+    nominal, where = play.decision.nominal, play.toy.tool
+    play.faults = [Present("wrench_silent", "2.0 s old")]
+    play.run(2.0)
+    assert play.state is State.CARRYING and not play.decision.base
+    assert play.decision.target.near(where, 0.01, 0.05) and play.decision.nominal == nominal
+    play.faults = []
+    play.run(0.5)
+    assert play.state is State.CARRYING and play.decision.base
+
+
+def test_without_the_tool_s_pose_the_last_target_stays() -> None:
+    play = Play().reach(State.CARRYING)
+    play.faults = [Present("tool", "state/ee is silent")]
+    for _ in range(100):
+        assert play.tick(lost=True).target is None
+    assert play.state is State.CARRYING
+    for _ in range(100):
+        play.tick(lost=True)
+    assert play.state is State.HOLDING
+    play.faults = []
+    where = play.toy.tool
+    play.run(1.0)
+    assert play.decision.target.near(where, 0.02, 0.05)
+
+
+@pytest.mark.parametrize("state", [State.SEARCHING, State.APPROACHING])
+def test_a_covered_marker_makes_it_wait_and_say_why_then_give_up(state: State) -> None:
+    play = Play().reach(state)
+    play.run(0.5)
+    play.toy.marker, play.faults = None, [Present("marker_missing")]
+    play.changed = {"doubt": Present("marker_missing")}
+    if state is State.SEARCHING:
+        play = Play()
+        play.toy.marker, play.changed = None, {"doubt": Present("marker_missing")}
+        play.reach(State.SEARCHING)
+    where = play.toy.tool
+    play.run(3.0)
+    assert play.state is state and "covered" in play.machine.reason
+    assert play.toy.tool.near(where, 0.01, 0.05), "it does not move"
+    play.run(70.0)
+    assert play.state is State.HOLDING and "covered" in play.machine.reason
+
+
+def test_a_marker_that_comes_back_is_gone_on_to() -> None:
+    play = Play().reach(State.APPROACHING)
+    play.toy.marker, play.faults = None, [Present("marker_missing")]
+    play.run(3.0)
+    play.toy.marker, play.faults = Play().toy.marker, []
+    play.to(State.CARRYING)
+
+
+def test_out_of_reach_is_said_and_not_tried() -> None:
+    play = Play(reach_high=(0.5, 0.2, 1.2)).reach(State.SEARCHING)
+    play.run(3.0)
+    assert play.state is State.SEARCHING and "out of reach: x is 0.60 m" in play.machine.reason
+
+
+def test_a_closed_gripper_without_a_panel_is_no_grasp() -> None:
+    play = Play().reach(State.APPROACHING)
+    play.toy.parameters = TaskParameters(grasp_position=(0.0, -0.9, 0.0))
+    play.run(60.0, lambda: play.state is State.HOLDING)
+    assert "the grasp failed" in play.machine.reason and "holds nothing" in play.machine.reason
+    assert play.machine.command("reset") is State.IDLE
+
+
+def test_something_on_the_tool_is_no_zero() -> None:
+    play = Play()
+    play.changed = {"wrench": [0.0, 4.0, 0.0, 0.0, 0.0, 0.0]}
+    play.reach(State.CALIBRATING)
+    play.run(5.0)
+    assert play.state is State.CALIBRATING and "4.0 N on a free tool, allowed are 3 N" in play.machine.reason
+
+
+REFUSED = {
+    "unknown word": (lambda play: play.machine.command("jump"), "wanted start, abort, release or reset"),
+    "no word": (lambda play: play.machine.command(None), "wanted start"),
+    "start twice": (lambda play: play.reach(State.SEARCHING).machine.command("start"), "at work already"),
+    "start when done": (lambda play: play.reach(State.DONE).machine.command("start"), "`reset` first"),
+    "start aborted": (lambda play: play.reach(State.HOLDING).machine.command("start"), "`reset` first"),
+    "reset at work": (lambda play: play.reach(State.CARRYING).machine.command("reset"), "`abort` first"),
+    "release of nothing": (
+        lambda play: play.reach(State.SEARCHING).machine.command("release"),
+        "nothing is held",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_commands_are_refused_with_what_to_do_instead(name: str) -> None:
+    act, words = REFUSED[name]
+    with pytest.raises(Refused, match=words):
+        act(Play())
+
+
+def test_a_panel_too_heavy_to_be_released_is_refused_at_the_start() -> None:
+    with pytest.raises(Refused, match="release_ramp"):
+        Play(panel_mass=2.5, release_ramp=False).machine.command("start")
+    assert Play(panel_mass=2.5).machine.command("start") is State.IDLE
+
+
+def test_start_with_a_full_gripper_or_a_stop_is_refused() -> None:
+    play = Play()
+    play.changed = {"gripper": type(play.toy.gripper)(0.05, 10.0, True)}
+    play.tick()
+    with pytest.raises(Refused, match="holds something"):
+        play.machine.command("start")
+    play.changed, play.faults = {}, [Present("stop", "hand in the way")]
+    play.tick()
+    with pytest.raises(Refused, match="hand in the way"):
+        play.machine.command("start")
+
+
+def test_carrying_on_after_an_abort_keeps_the_half_weight() -> None:
+    play = Play().reach(State.CARRYING)
+    play.toy.lifted = True
+    play.run(2.0)
+    play.machine.command("abort")
+    play.run(1.0)
+    with pytest.raises(Refused, match="`release` lets it go"):
+        play.machine.command("reset")
+    assert play.decision.nominal == pytest.approx(-play.settings.half_weight)
+    play.faults = [Present("wrench_silent", "3 s old")]
+    play.tick()
+    with pytest.raises(Refused, match="cannot carry on"):
+        play.machine.command("start")
+    play.faults = []
+    play.tick()
+    assert play.machine.command("start") is State.CARRYING
+    play.tick()
+    assert play.decision.base and play.decision.nominal == pytest.approx(-play.settings.half_weight)
+
+
+def test_release_by_word_waits_for_the_weight_then_a_second_word_opens() -> None:
+    play = Play().reach(State.CARRYING)
+    play.toy.lifted = True
+    play.run(2.0)
+    assert play.machine.command("release") is State.RELEASING
+    play.run(5.0)
+    assert play.state is State.RELEASING and play.toy.gripped and "`release` again" in play.machine.reason
+    play.machine.command("release")
+    play.to(State.DONE)
+    assert play.opened_in == {State.IDLE, State.RELEASING}
+    play = Play().reach(State.CARRYING)
+    play.machine.command("release")
+    play.to(State.DONE)
+
+
+def test_lost_from_the_gripper_it_holds() -> None:
+    play = Play().reach(State.CARRYING)
+    play.changed = {"gripper": type(play.toy.gripper)(0.0, 0.0, False)}
+    play.run(0.5)
+    assert play.state is State.HOLDING and "does not hold the panel any more" in play.machine.reason
+    assert play.machine.command("reset") is State.IDLE
