@@ -116,7 +116,8 @@ class MarkerTracker:
 
     def broken(self, problem: str) -> None:
         """An image came that cannot be read."""
-        self._image_seen, self._doubt = True, Present("camera_broken", problem)
+        self._image_seen, self._since_image = True, 0.0
+        self._doubt = Present("camera_broken", problem)
 
     def look(self, found: Sequence[Candidate], camera: Pose, age: float) -> None:
         """Take in what an image shows.

@@ -1,0 +1,110 @@
+"""From the newest messages to what the machine sees, and to the faults that are present."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from services.task.faults import Present
+from services.task.geometry import Pose
+from services.task.marker import MarkerTracker
+from services.task.parameters import TaskParameters
+from services.task.states import Seen
+from shared.service import Inputs, Reading
+from shared.topics import (
+    CONTROL_STATUS,
+    STATE_EE,
+    STATE_GRIPPER,
+    STATE_ROBOT,
+    STOP,
+    WRENCH_EXTERNAL,
+)
+
+WRENCH_MAX_AGE = 0.2
+"""Age [s] of a wrench that the task still uses: its decisions take a second, those of the controller a hundredth."""
+
+
+class Observer:
+    """Keeps what has to be remembered between two steps: the stop, and which run of the robot this is."""
+
+    def __init__(self, parameters: TaskParameters) -> None:
+        self._settings = parameters
+        self._stop: str | None = None
+        self._session: int | None = None
+
+    def look(self, inputs: Inputs, tracker: MarkerTracker) -> tuple[Seen, list[Present]]:
+        """What is known now, and what is wrong."""
+        tool = inputs[STATE_EE]
+        faults = [
+            fault
+            for fault in (
+                self._stopped(inputs),
+                self._restarted(tool.header.session),
+                *self._wrench(inputs.get(WRENCH_EXTERNAL)),
+                _controller(inputs),
+                tracker.doubt,
+            )
+            if fault is not None
+        ]
+        wrench, gripper = inputs.get(WRENCH_EXTERNAL), inputs.get(STATE_GRIPPER)
+        numb = any(fault.name.startswith("wrench") for fault in faults)
+        fresh = gripper is not None and gripper.header.valid and gripper.age <= STATE_GRIPPER.max_age
+        message = tool.message
+        seen = Seen(
+            tool=Pose.of(message.position, message.orientation),
+            speed=float(np.linalg.norm(message.linear)),
+            turning=float(np.linalg.norm(message.angular)),
+            session=tool.header.session,
+            wrench=None
+            if numb or wrench is None
+            else np.concatenate((wrench.message.force, wrench.message.torque)),
+            gripper=gripper.message if fresh and gripper is not None else None,
+            marker=tracker.pose,
+            doubt=tracker.doubt,
+        )
+        return seen, faults
+
+    def _stopped(self, inputs: Inputs) -> Present | None:
+        stop = inputs.get(STOP)
+        if stop is not None and stop.new:
+            if stop.message.engaged:
+                self._stop = stop.message.reason
+            elif stop.header.valid:
+                self._stop = None
+        if self._stop is not None:
+            return Present("stop", self._stop)
+        robot = inputs.get(STATE_ROBOT)
+        if robot is not None and robot.age <= STATE_ROBOT.max_age and robot.message.mode == "stopped":
+            return Present("robot_stopped", robot.message.reason)
+        return None
+
+    def _restarted(self, session: int) -> Present | None:
+        before, self._session = self._session, session
+        return Present("robot_restarted") if before not in (None, session) else None
+
+    def _wrench(self, reading: Reading | None) -> list[Present]:
+        if reading is None:
+            return [Present("wrench_never")]
+        if reading.age > WRENCH_MAX_AGE:
+            return [Present("wrench_silent", _age(reading, WRENCH_MAX_AGE))]
+        if not reading.header.valid or reading.message.fault:
+            return [Present("wrench_invalid", reading.message.fault)]
+        if reading.message.compensation == "none":
+            return [Present("untared")]
+        if reading.message.compensation == "tare" and self._settings.compensation == "payload":
+            return [Present("unidentified")]
+        return []
+
+
+def _controller(inputs: Inputs) -> Present | None:
+    reading = inputs.get(CONTROL_STATUS)
+    if reading is None:
+        return Present("controller_never")
+    if reading.age > CONTROL_STATUS.max_age:
+        return Present("controller_silent", _age(reading, CONTROL_STATUS.max_age))
+    if reading.message.state == "braking":
+        return Present("controller_braking", reading.message.reason)
+    return None
+
+
+def _age(reading: Reading, limit: float) -> str:
+    return f"{reading.age:.1f} s old, allowed are {limit:g} s"

@@ -1,0 +1,111 @@
+"""When to send what a decision says: on change, and often enough that nobody takes the task for gone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from services.task.geometry import Pose
+from services.task.parameters import TaskParameters
+from services.task.states import AT_REST, Decision, State
+from shared.messages import ControlTarget, Enable, GripperCommand, HeadCommand, MarkerPose, TaskStatus
+from shared.service import Output
+from shared.topics import BASE_ENABLE, COMMAND_GRIPPER, COMMAND_HEAD, CONTROL_TARGET, TASK_STATUS
+
+_OFTEN = 0.19
+"""Longest time [s] between two targets, enables or statuses: 5 Hz or more."""
+_SELDOM = 1.0
+"""The same for what is sent on change, should one be lost or the robot restart [s]."""
+
+
+class _Due:
+    """Whether something is to be sent: it has changed, or the last time is too long ago."""
+
+    def __init__(self, every: float) -> None:
+        self._every = every
+        self._left = 0.0
+        self._last: object = None
+
+    def __call__(self, value: object, dt: float) -> bool:
+        self._left -= dt
+        if value == self._last and self._left > 1e-9:
+            return False
+        self._last, self._left = value, self._every
+        return True
+
+
+class Outbox:
+    """Makes the messages of each step.
+
+    Attributes:
+        target: the last one sent in the present activity; None before.
+    """
+
+    def __init__(self, parameters: TaskParameters) -> None:
+        self._settings = parameters
+        self.target: Pose | None = None
+        self._nominal = 0.0
+        self._target_due, self._base_due, self._status_due = _Due(_OFTEN), _Due(_OFTEN), _Due(_OFTEN)
+        self._gripper_due, self._head_due = _Due(_SELDOM), _Due(_SELDOM)
+
+    def commands(self, state: State, decision: Decision, dt: float) -> Iterator[Output]:
+        """The commands that are due, the target first.
+
+        Args:
+            state: after the step.
+            decision: of the step.
+            dt: time [s] since the last one.
+        """
+        if state in AT_REST and decision.target is None:
+            # Whoever wants the arm while the task rests shall have it.
+            self.target = None
+        elif decision.target is not None:
+            self.target, self._nominal = decision.target, decision.nominal
+        if self.target is not None:
+            what = (self.target.position.tobytes(), self.target.rotation.tobytes(), self._nominal)
+            if self._target_due(what, dt):
+                yield Output(CONTROL_TARGET, self._message(self.target))
+        if self._base_due(decision.base, dt):
+            yield Output(BASE_ENABLE, Enable(decision.base))
+        grip = decision.gripper
+        if grip is not None and self._gripper_due(grip, dt):
+            yield Output(COMMAND_GRIPPER, GripperCommand(grip.opening, grip.effort))
+        if decision.head is not None and self._head_due(decision.head, dt):
+            yield Output(COMMAND_HEAD, HeadCommand(*decision.head))
+
+    def status(
+        self,
+        state: State,
+        since: float,
+        reason: str,
+        rotation: float,
+        height: float,
+        marker: tuple[Pose, float] | None,
+        dt: float,
+    ) -> Iterator[Output]:
+        """``task/status`` if it is due; a reason with a running number in it is no change.
+
+        Args:
+            state: of the task.
+            since: time [s] in it.
+            reason: for the human.
+            rotation: about the tool's x axis since the grasp [rad].
+            height: of the tool [m].
+            marker: pose in base and age [s].
+            dt: time [s] since the last call.
+        """
+        if self._status_due(state, dt):
+            seen = (
+                None if marker is None else MarkerPose(marker[0].position, marker[0].orientation, marker[1])
+            )
+            yield Output(TASK_STATUS, TaskStatus(state.value, since, reason, rotation, height, seen))
+
+    def _message(self, target: Pose) -> ControlTarget:
+        return ControlTarget(
+            target.position,
+            target.orientation,
+            np.array(self._settings.force_limit),
+            np.array(self._settings.torque_limit),
+            nominal_force=np.array((0.0, 0.0, self._nominal)),
+        )

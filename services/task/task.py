@@ -1,0 +1,170 @@
+"""The task service: fifty steps of the state machine a second, and the marker between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from services.task.detection import BadImage, Detector
+from services.task.faults import Present
+from services.task.geometry import Pose
+from services.task.journal import Journal, judge
+from services.task.machine import Machine
+from services.task.marker import MarkerTracker
+from services.task.observe import Observer
+from services.task.outbox import Outbox
+from services.task.parameters import TaskParameters
+from services.task.states import Decision, Seen, State
+from shared.faults import Fault, FaultKind
+from shared.messages import Enable
+from shared.parameters import Parameters, Refused
+from shared.service import Inputs, Output, Wiring
+from shared.topics import (
+    BASE_ENABLE,
+    CONTROL_STATUS,
+    SENSOR_CAMERA,
+    STATE_EE,
+    STATE_GRIPPER,
+    STATE_ROBOT,
+    STOP,
+    TASK_COMMAND,
+    WRENCH_EXTERNAL,
+    Query,
+)
+
+PERIOD = 0.02
+"""Of a step [s]: the loops of level assist and nominal wrench change within tenths of seconds."""
+_JOURNAL_EVERY = 1.0  # [s], and with each change of state
+_LOOKING = (State.SEARCHING, State.APPROACHING)
+"""States that need the marker; in all others no image is looked at."""
+
+
+class Task:
+    """Runs the state machine on the newest messages.
+
+    Args:
+        parameters: checked parameters.
+        now: steady clock [s], for the age of the journal only.
+        folder: where the journal is kept; None keeps none.
+    """
+
+    wiring = Wiring(
+        name="task",
+        driver=PERIOD,
+        required=(STATE_EE,),
+        optional=(SENSOR_CAMERA, STATE_GRIPPER, STATE_ROBOT, WRENCH_EXTERNAL, CONTROL_STATUS, STOP),
+        queries=(TASK_COMMAND,),
+        # An image takes half a period, more on a busy machine; a late step of the task harms nothing.
+        overrun_share=1.0,
+    )
+
+    def __init__(
+        self, parameters: TaskParameters, now: Callable[[], float] = lambda: 0.0, folder: Path | None = None
+    ) -> None:
+        self.parameters: Parameters = parameters
+        self._settings = parameters
+        self.max_delay = parameters.max_delay
+        self._now = now
+        self._journal = Journal(folder / "task" if folder else None)
+        self.machine = Machine(parameters)
+        self._observer = Observer(parameters)
+        self._tracker = MarkerTracker(parameters.marker_limits())
+        self._detector = Detector(parameters.marker_size)
+        self._outbox = Outbox(parameters)
+        self._height = 0.0
+        self._session = 0
+        self._journalled: tuple[State, bool] | None = None
+        self._journal_due = 0.0
+
+    def step(self, inputs: Inputs, dt: float) -> Iterator[Output]:
+        """Commands, then status, then what takes time: the image and the journal."""
+        self._tracker.advance(dt)
+        seen, faults = self._observer.look(inputs, self._tracker)
+        self._height = float(seen.tool.position[2])
+        if not self.machine.ready:
+            if seen.gripper is None:
+                self.machine.reason = (
+                    "waiting for state/gripper: never received. Is the robot process running?"
+                )
+                yield from self._told(Decision(self.machine.reason), dt)
+                return
+            self._resume(seen)
+        self._session = seen.session
+        yield from self._told(self.machine.step(seen, faults, dt), dt)
+        self._look(inputs)
+        self._record(dt)
+
+    def brake(self, fault: Fault, dt: float) -> Iterator[Output]:
+        """The machine goes on without the tool's pose, and decides how long to wait for it."""
+        if fault.kind is FaultKind.SHUTDOWN:
+            # The last target stays in force and the gripper closed; only the base must not go on.
+            yield Output(BASE_ENABLE, Enable(False))
+            return
+        self._tracker.advance(dt)
+        name = "internal" if fault.kind is FaultKind.INTERNAL else "tool"
+        decision = self.machine.step(None, [Present(name, fault.text)], dt)
+        if not self.machine.ready:
+            decision = Decision(fault.text)
+            self.machine.reason = fault.text
+        yield from self._told(decision, dt)
+
+    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
+        """Answer ``task/command``.
+
+        Raises:
+            Refused: with the reason and what to do instead.
+        """
+        reply({"state": self.machine.command(request.get("command")).value})
+
+    def apply(self, parameters: Parameters) -> None:
+        """The parameters hold for the whole run.
+
+        Raises:
+            Refused: always.
+        """
+        raise Refused("the task's parameters are set at its start")
+
+    def notes(self) -> str:
+        """Why a restart would not know of the carry, if so."""
+        return self._journal.problem
+
+    def _resume(self, seen: Seen) -> None:
+        entry = self._journal.read(seen.session)
+        recalled = judge(entry, self._journal.problem, seen, self._settings, self._now())
+        self.machine.resume(recalled, seen)
+        if recalled.entry is not None:
+            self._outbox.target = recalled.entry.target
+
+    def _told(self, decision: Decision, dt: float) -> Iterator[Output]:
+        machine = self.machine
+        yield from self._outbox.commands(machine.state, decision, dt)
+        pose = self._tracker.pose
+        marker: tuple[Pose, float] | None = None if pose is None else (pose, self._tracker.age)
+        yield from self._outbox.status(
+            machine.state, machine.since, machine.reason, machine.rotation, self._height, marker, dt
+        )
+
+    def _look(self, inputs: Inputs) -> None:
+        if self.machine.state not in _LOOKING:
+            self._tracker.reset()
+            return
+        reading = inputs.get(SENSOR_CAMERA)
+        if reading is None or not reading.new:
+            return
+        image = reading.message
+        try:
+            found = self._detector.find(image)
+        except BadImage as problem:
+            self._tracker.broken(str(problem))
+            return
+        self._tracker.look(found, Pose.of(image.position, image.orientation), reading.age)
+
+    def _record(self, dt: float) -> None:
+        """Keep the journal: once a second while something is held, and whenever that or the state changes."""
+        self._journal_due -= dt
+        what = (self.machine.state, self.machine.grip)
+        if what == self._journalled and (not self.machine.grip or self._journal_due > 0.0):
+            return
+        self._journalled, self._journal_due = what, _JOURNAL_EVERY
+        self._journal.write(self._session, self.machine.entry(self._outbox.target), self._now())

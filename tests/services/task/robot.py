@@ -1,0 +1,148 @@
+"""The toy robot behind the contract: publishes what the task needs, does what it commands; with faults."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from services.task.geometry import Pose
+from services.task.parameters import TaskParameters
+from shared.inlet import Received
+from shared.messages import (
+    CameraImage,
+    ControlStatus,
+    EndEffector,
+    ExternalWrench,
+    RobotStatus,
+)
+from shared.records import Record
+from shared.topics import (
+    BASE_ENABLE,
+    COMMAND_GRIPPER,
+    COMMAND_HEAD,
+    CONTROL_STATUS,
+    CONTROL_TARGET,
+    SENSOR_CAMERA,
+    STATE_EE,
+    STATE_GRIPPER,
+    STATE_ROBOT,
+    TASK_STATUS,
+    WRENCH_EXTERNAL,
+    Topic,
+)
+from tests.services.task.scene import Camera, Light, Print, message, render
+from tests.services.task.toy import MARKER, Toy
+
+TICK = 0.01
+HEAD = Pose.from_rpy((0.2, 0.0, 1.3), (-2.2, 0.0, -1.9))
+"""The camera's optical frame in base: looks ahead, down and to the right, at the panel."""
+_STILL = np.zeros(6)
+
+
+class Robot:
+    """Robot, wrench service, controller and person in one.
+
+    Attributes:
+        muted: keys that are not published any more.
+        compensation: what the wrench service says.
+        shown: marker pose in base that the camera sees; None covers it.
+        number: of that marker.
+        received: every message of each key that the task publishes.
+    """
+
+    OUTPUTS = (CONTROL_TARGET, BASE_ENABLE, COMMAND_GRIPPER, COMMAND_HEAD, TASK_STATUS)
+
+    def __init__(self, watch: Callable[..., Any], parameters: TaskParameters | None = None) -> None:
+        self.toy = Toy(parameters)
+        self.muted: set[str] = set()
+        self.compensation = "payload"
+        self.wrench_fault = ""
+        self.braking = ""
+        self.mode = "ready"
+        self.shown: Pose | None = MARKER
+        self.number = self.toy.parameters.marker_id
+        self.received: dict[str, list[Received]] = {topic.key: [] for topic in self.OUTPUTS}
+        self._images: dict[tuple, CameraImage] = {}
+        for topic in self.OUTPUTS:
+            watch(topic, self.received[topic.key].append)
+
+    def last(self, topic: Topic) -> Any:
+        """The newest message of a topic, None before the first."""
+        received = self.received[topic.key]
+        return received[-1].message if received else None
+
+    @property
+    def state(self) -> str:
+        """Of the task, as it says."""
+        status = self.last(TASK_STATUS)
+        return status.state if status else ""
+
+    @property
+    def reason(self) -> str:
+        """Of the task, as it says."""
+        status = self.last(TASK_STATUS)
+        return status.reason if status else ""
+
+    def tick(self, number: int) -> list[tuple[Topic, Record, bool]]:
+        """Move for one tick of 10 ms; topic, message and validity of what is to be published."""
+        self._obey()
+        toy = self.toy
+        toy.advance(TICK)
+        wrench = toy.wrench
+        messages: list[tuple[Topic, Record, bool]] = [
+            (STATE_EE, self._tool(), True),
+            (
+                WRENCH_EXTERNAL,
+                ExternalWrench(wrench[:3], wrench[3:], np.full(6, 0.2), self.compensation, self.wrench_fault),
+                not self.wrench_fault,
+            ),
+            (CONTROL_STATUS, self._status(), True),
+        ]
+        if number % 5 == 0:
+            messages.append((STATE_GRIPPER, toy.gripper, True))
+        if number % 20 == 0:
+            robot = RobotStatus(self.mode, "", "omni", True, 0.3, 1.0, np.array((0.5, 0.5, 0.5)))
+            messages.append((STATE_ROBOT, robot, True))
+        if number % 10 == 0:
+            messages.append((SENSOR_CAMERA, self._image(), True))
+        return [item for item in messages if item[0].key not in self.muted]
+
+    def person(self) -> None:
+        """Do what the task waits for: lift, turn by 90 degrees, lower."""
+        toy = self.toy
+        if self.state != "carrying":
+            return
+        toy.lifted = True
+        status = self.last(TASK_STATUS)
+        if abs(status.rotation) > 1.5:
+            toy.roll_rate, toy.far_height = 0.0, toy.stands
+        elif "carrying;" in status.reason:
+            toy.roll_rate = 0.4
+
+    def _obey(self) -> None:
+        target, grip = self.last(CONTROL_TARGET), self.last(COMMAND_GRIPPER)
+        moves = target is not None and not self.braking and not self.wrench_fault
+        self.toy.target = Pose.of(target.position, target.orientation) if moves else None
+        if grip is not None:
+            self.toy.wanted = grip.opening
+
+    def _tool(self) -> EndEffector:
+        toy = self.toy
+        linear, angular = np.array((toy.speed, 0.0, 0.0)), np.array((toy.turning, 0.0, 0.0))
+        return EndEffector(toy.tool.position, toy.tool.orientation, linear, angular)
+
+    def _status(self) -> ControlStatus:
+        state = "braking" if self.braking else "tracking"
+        return ControlStatus(state, self.braking, "certified", _STILL, _STILL, _STILL, 0.0, 0.0, 50.0)
+
+    def _image(self) -> CameraImage:
+        place = None if self.shown is None else tuple(self.shown.position)
+        if (place, self.number) not in self._images:
+            prints = []
+            if self.shown is not None:
+                inverse = Pose(-HEAD.rotation.T @ HEAD.position, HEAD.rotation.T)
+                prints = [Print(inverse @ self.shown, self.toy.parameters.marker_size, self.number)]
+            self._images[place, self.number] = message(render(prints, Light()), Camera(HEAD))
+        return self._images[place, self.number]
