@@ -26,6 +26,7 @@ from shared.spatial import Array
 _GAMMA = 12
 _LYAPUNOV = 12
 _ZERO = np.zeros(12)
+_NO_ROOM = np.zeros(36)
 
 
 class CertifiedLaw(Law):
@@ -157,7 +158,7 @@ class CertifiedLaw(Law):
                 YieldInput(w, caps, self.bound, self.box.speed, displacement, self.response_time, dt)
             )
         if y is None:
-            self._y[:] = 0.0
+            self._y.fill(0.0)
             return False
         reach = self.box.reach
         if self._yielding.moved:
@@ -209,7 +210,7 @@ class CertifiedLaw(Law):
             np.multiply(self._per_force, levels, out=self._offset)
             self._levels = None if yields else levels
         self._room_matrix.dot(load, self._flat_rooms)
-        np.maximum(self._flat_rooms, 0.0, out=self._flat_rooms)
+        np.maximum(self._flat_rooms, _NO_ROOM, out=self._flat_rooms)
         opened, change, part = self._opened, self._change, self._part
         np.subtract(self._lasting, opened, out=change)
         np.multiply(change, min(1.0, dt / self.parameters.horizon) if self._started else 1.0, out=part)

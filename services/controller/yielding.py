@@ -170,7 +170,7 @@ class RoundedYield(Yielding):
     @property
     def at_rest(self) -> bool:
         """Whether nothing is left of what yielded before."""
-        return self._integral.at_rest and not self.moved
+        return not (self.moved or any(self._integral.value))
 
     def step(self, state: YieldInput) -> list[float] | None:
         w, caps, bound = state.wrench, state.caps, state.bound
