@@ -71,7 +71,7 @@ class Simulator:
             name="sim",
             driver=self._stretch / self._ticks.rate,
             optional=(*RobotSide.INPUTS, topics.COMMAND_GRIPPER, topics.COMMAND_HEAD),
-            on_demand=(topics.SENSOR_CAMERA,),
+            on_demand=() if self._eye is None else (topics.SENSOR_CAMERA,),
             queries=(topics.SIM_COMMAND,),
             # A late tick is no reason to stop the world: the gate watches over the commands' age.
             overrun_share=1.0,
