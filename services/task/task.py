@@ -74,7 +74,7 @@ class Task:
         self._outbox = Outbox(parameters)
         self._height = 0.0
         self._session = 0
-        self._journalled: tuple[State, bool] | None = None
+        self._journalled: object = None
         self._journal_due = 0.0
 
     def step(self, inputs: Inputs, dt: float) -> Iterator[Output]:
@@ -161,10 +161,12 @@ class Task:
         self._tracker.look(found, Pose.of(image.position, image.orientation), reading.age)
 
     def _record(self, dt: float) -> None:
-        """Keep the journal: once a second while something is held, and whenever that or the state changes."""
+        """Keep the journal: once a second while something is held, and whenever what matters has changed."""
         self._journal_due -= dt
-        what = (self.machine.state, self.machine.grip)
-        if what == self._journalled and (not self.machine.grip or self._journal_due > 0.0):
+        entry = self.machine.entry(self._outbox.target)
+        # Half a newton is less than a person feels when the nominal wrench of a restart is off by that.
+        what = None if entry is None else (entry.state, entry.supported, round(2.0 * entry.nominal))
+        if what == self._journalled and (entry is None or self._journal_due > 0.0):
             return
         self._journalled, self._journal_due = what, _JOURNAL_EVERY
-        self._journal.write(self._session, self.machine.entry(self._outbox.target), self._now())
+        self._journal.write(self._session, entry, self._now())
