@@ -1,4 +1,4 @@
-"""Commands that act on a running stack: stop, resume, tare, hold, load."""
+"""Commands that act on a running stack: stop, resume, tare, task, hold, load."""
 
 from __future__ import annotations
 
@@ -83,6 +83,17 @@ def tare(
     ):
         shown = ", ".join(f"{value:+.3f} ± {spread:.3f}" for value, spread in zip(bias, std, strict=True))
         typer.echo(f"{name:6} [{shown}] {unit}")
+
+
+def task(
+    command: Annotated[str, typer.Argument(help="start, abort, release or reset")],
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Tell the carrying task what to do; `tandem topic echo task/status` says what it does and why."""
+    with open_bus(robot, connect) as bus:
+        reply = ask(bus, topics.TASK_COMMAND, {"command": command})
+    typer.echo(f"task: {reply['state']}")
 
 
 def hold(

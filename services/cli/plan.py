@@ -17,7 +17,8 @@ from shared.bus_zenoh import DEFAULT_ENDPOINT
 
 ROUTER = "router"
 SERVICES = ("sim", "wrench", "controller")  # of every stack, in order of start; any order works
-FURTHER = ("base",)  # a stack has them if it is told so
+FURTHER = ("base", "task")  # a stack has them if it is told so
+STARTABLE = (*SERVICES, *FURTHER)
 
 
 @dataclass(frozen=True)
@@ -40,8 +41,8 @@ class Plan:
         return ["--listen", self.endpoint]
 
     def arguments(self, service: str) -> list[str]:
-        """Command line of one service; KeyError if it can be no part of a stack."""
-        if service not in (*SERVICES, *FURTHER):
+        """Command line of one service; KeyError if it is none that can be started."""
+        if service not in STARTABLE:
             raise KeyError(service)
         arguments = ["--robot", self.robot, "--connect", self.endpoint]
         if self.config:
@@ -84,9 +85,10 @@ def parse_settings(settings: Sequence[str]) -> dict[str, list[str]]:
         service, dot, key = name.strip().partition(".")
         if not (equals and dot and key):
             refuse(f"--set {setting!r}: wanted SERVICE.NAME=VALUE, such as --set 'controller.law=\"paper\"'")
-        if service not in (*SERVICES, *FURTHER):
-            choice = ", ".join((*SERVICES, *FURTHER))
-            refuse(f"--set {setting!r}: {service!r} is no service of the stack; choose from {choice}")
+        if service not in STARTABLE:
+            refuse(
+                f"--set {setting!r}: {service!r} is no service of the stack; choose from {', '.join(STARTABLE)}"
+            )
         table.setdefault(service, []).append(f"{key}={value.strip()}")
     return table
 

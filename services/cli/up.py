@@ -24,6 +24,7 @@ from services.cli.plan import (
     FURTHER,
     ROUTER,
     SERVICES,
+    STARTABLE,
     Plan,
     check_config,
     check_further,
@@ -88,16 +89,15 @@ def up(
 
 
 def start(
-    service: Annotated[str, typer.Argument(help="router, sim, wrench, controller or base")],
+    service: Annotated[str, typer.Argument(help="router, sim, wrench, controller, base or task")],
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,
     config: Config = None,
     settings: Annotated[list[str], typer.Option("--set", help="NAME=VALUE in TOML; repeatable.")] = [],  # noqa: B006
 ) -> None:
     """Run one service in the foreground with the options of the stack that it belongs to."""
-    choice = (ROUTER, *SERVICES, *FURTHER)
-    if service not in choice:
-        refuse(f"{service!r} is no service of the stack; choose from {', '.join(choice)}")
+    if service not in (ROUTER, *STARTABLE):
+        refuse(f"{service!r} is no service of the stack; choose from {', '.join((ROUTER, *STARTABLE))}")
     known = remembered(robot, connect)
     plan = Plan(robot, connect, check_config(config), {service: settings})
     if known is not None:

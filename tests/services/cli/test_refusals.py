@@ -43,6 +43,8 @@ def tandem(*arguments: str) -> subprocess.CompletedProcess[str]:
         (["up", "--config", "/nowhere.toml"], "--config /nowhere.toml: No such file"),
         (["up", "--router", "udp/127.0.0.1:1"], "wanted tcp/HOST:PORT"),
         (["start", "viewer"], "'viewer' is no service of the stack; choose from router, sim"),
+        (["start", "base"], "choose from router, sim, wrench, controller, task"),
+        (["task"], "Missing argument"),
         (["status", "--connect", "nonsense"], "--connect nonsense"),
         (["status", "--robot", "a/b"], "--robot 'a/b'"),
         (["topic", "echo", "no/such"], "'no/such' is no topic of the contract"),
