@@ -138,11 +138,12 @@ class Robot:
         return ControlStatus(state, self.braking, "certified", _STILL, _STILL, _STILL, 0.0, 0.0, 50.0)
 
     def _image(self) -> CameraImage:
-        place = None if self.shown is None else tuple(self.shown.position)
-        if (place, self.number) not in self._images:
+        shown, number = self.shown, self.number  # another thread may change them while this one renders
+        key = (None if shown is None else tuple(shown.position), number)
+        if key not in self._images:
             prints = []
-            if self.shown is not None:
+            if shown is not None:
                 inverse = Pose(-HEAD.rotation.T @ HEAD.position, HEAD.rotation.T)
-                prints = [Print(inverse @ self.shown, self.toy.parameters.marker_size, self.number)]
-            self._images[place, self.number] = message(render(prints, Light()), Camera(HEAD))
-        return self._images[place, self.number]
+                prints = [Print(inverse @ shown, self.toy.parameters.marker_size, number)]
+            self._images[key] = message(render(prints, Light()), Camera(HEAD))
+        return self._images[key]
