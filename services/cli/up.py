@@ -23,7 +23,6 @@ from services.cli.plan import (
     DEFAULT_ENDPOINT,
     FURTHER,
     ROUTER,
-    SERVICES,
     STARTABLE,
     Plan,
     check_config,
