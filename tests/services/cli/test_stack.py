@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from services.cli.plan import FURTHER, SERVICES
+from services.cli.plan import SERVICES
 from tests.services.cli.test_children import exists
 from tests.services.cli.test_refusals import tandem
 from tests.support.ports import free_endpoint
@@ -20,7 +20,7 @@ from tests.support.wait import eventually
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 PATIENCE = 60.0  # [s]
-ALL = (*SERVICES, *FURTHER)
+ALL = (*SERVICES, "base")
 
 
 def pids(endpoint: str) -> dict[str, int]:
@@ -40,7 +40,7 @@ def endpoint() -> str:
 @pytest.fixture(scope="module")
 def stack(endpoint: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Process]:
     output = tmp_path_factory.mktemp("up") / "output"
-    with Process("services.cli", ["up", "--with", *FURTHER, "--router", endpoint], output) as process:
+    with Process("services.cli", ["up", "--with", "base", "--router", endpoint], output) as process:
         # A busy machine makes the simulation degraded: it is alive all the same.
         alive = [re.compile(rf" {name}: (ok|degraded)") for name in ALL]
         eventually(
