@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import time
 
-from benchmarks.load_stack import play
+from benchmarks.experiment_stack import play_run
 from benchmarks.table import Row, at_least
-from services.experiment.protocol import RUNS
+from services.experiment.load.play import LOAD
 from shared import topics
 
 COMMAND = "python -m benchmarks load_speed"
@@ -15,11 +15,11 @@ TARGET = 10.0  # times real time
 
 def rows(quick: bool) -> list[Row]:
     """One row: simulated time over wall time, all runs together (one run if `quick`), start-up not counted."""
-    chosen = RUNS[:1] if quick else RUNS
+    chosen = LOAD.runs[:1] if quick else LOAD.runs
     play_time = simulated = 0.0
     for run in chosen:
         begun = time.perf_counter()
-        recording = play(run)
+        recording = play_run(LOAD, run)
         play_time += time.perf_counter() - begun
         heard = recording.time(topics.STATE_EE.key)
         simulated += float(heard[-1] - heard[0])

@@ -15,14 +15,25 @@ from services.cli.stack import Stack
 class Lane:
     """Plays one run. Poll `finished`, then `close`."""
 
-    def __init__(self, run: dict[str, Any], plan: Plan, folder: Path, children: Children) -> None:
+    def __init__(
+        self, experiment: str, run: dict[str, Any], plan: Plan, folder: Path, children: Children
+    ) -> None:
         """Starts the stack's processes and the experiment; their output goes to files in `folder`."""
         self.title: str = run["title"]
         self.phase = "starting"
         self.elapsed: float | None = None
         self._name: str = run["name"]
         self._stack = Stack(plan, children, logs=folder, with_router=False)
-        arguments = ["load", "--robot", plan.robot, "--connect", plan.endpoint, "--run", self._name]
+        arguments = [
+            "play",
+            experiment,
+            "--robot",
+            plan.robot,
+            "--connect",
+            plan.endpoint,
+            "--run",
+            self._name,
+        ]
         arguments += ["--out", str(folder), "--json"]
         self._experiment = children.start(
             Child("experiment", arguments, folder / "experiment.log", self._hear)

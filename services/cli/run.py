@@ -35,32 +35,43 @@ def experiments() -> None:
     """Play an experiment with real processes and write its report."""
 
 
+Out = Annotated[Path | None, typer.Option(help="Folder of the report; default runs/<experiment>-<date>.")]
+Parallel = Annotated[int, typer.Option(min=1, max=5, help="Stacks that run side by side.")]
+Film = Annotated[bool, typer.Option(help="Render a film of the scene.")]
+
+
 @app.command()
 def load(
     runs: Annotated[str, typer.Option(help="Names of runs, separated by commas; all if left out.")] = "",
-    out: Annotated[Path | None, typer.Option(help="Folder of the report; default runs/load-<date>.")] = None,
-    parallel: Annotated[int, typer.Option(min=1, max=5, help="Stacks that run side by side.")] = 2,
-    film: Annotated[bool, typer.Option(help="Render a film of the scene.")] = True,
+    out: Out = None,
+    parallel: Parallel = 2,
+    film: Film = True,
     robot: Robot = DEFAULT_ROBOT,
     router: Router = DEFAULT_ENDPOINT,
 ) -> None:
     """The paper's load experiment under every law; exit status 1 when a claim fails."""
-    protocol = _protocol()
-    chosen = _choose(protocol["runs"], runs)
+    names = [name.strip() for name in runs.split(",") if name.strip()]
+    _run("load", names, out, parallel, film, robot, router)
+
+
+def _run(
+    experiment: str, names: list[str], out: Path | None, parallel: int, film: bool, robot: str, router: str
+) -> None:
+    """Plays the runs, all if none is named, and writes their report."""
+    plan = _plan(experiment, names)
+    chosen = plan["runs"]
     check_port(router)
-    folder = out or Path("runs") / f"load-{time.strftime('%Y%m%d-%H%M%S')}"
+    folder = out or Path("runs") / f"{experiment}-{time.strftime('%Y%m%d-%H%M%S')}"
     folder.mkdir(parents=True, exist_ok=True)
     stop = stop_event()
     console = Console()
     console.print(
-        f"load experiment: {len(chosen)} runs of {protocol['duration']:.0f} s in real time, {parallel} at a time"
+        f"{experiment} experiment: {len(chosen)} runs of {plan['duration']:.0f} s in real time, {parallel} at a time"
     )
     with Children() as children:
         _router(children, router, folder)
-        studio = Studio(folder / protocol["film"] if film else None, children)
-        failures = _play(
-            chosen, protocol["duration"], folder, children, stop, (robot, router), parallel, studio
-        )
+        studio = Studio(folder / plan["film"] if film else None, children)
+        failures = _play(experiment, plan, folder, children, stop, (robot, router), parallel, studio)
         console.print(
             "waiting for the film, then judging and drawing" if studio.busy else "judging and drawing"
         )
@@ -77,8 +88,8 @@ def load(
 
 
 def _play(
-    chosen: list[dict[str, Any]],
-    duration: float,
+    experiment: str,
+    plan: dict[str, Any],
     folder: Path,
     children: Children,
     stop: threading.Event,
@@ -88,10 +99,10 @@ def _play(
 ) -> list[str]:
     """Plays all runs, `parallel` at a time; returns a line for each that did not complete."""
     robot, router = where
-    waiting = list(chosen)
+    waiting, duration = list(plan["runs"]), plan["duration"]
     lanes: dict[int, Lane] = {}
     failures = []
-    with Progress([run["title"] for run in chosen], duration) as progress:
+    with Progress([run["title"] for run in waiting], duration) as progress:
         while (waiting or lanes) and not stop.wait(POLL):
             for number, lane in list(lanes.items()):
                 progress.show(lane.title, lane.phase, lane.elapsed, lane.trouble())
@@ -104,9 +115,8 @@ def _play(
                 if waiting and number not in lanes:
                     run = waiting.pop(0)
                     name = robot if number == 0 else f"{robot}-{number + 1}"
-                    lanes[number] = Lane(
-                        run, Plan(name, router, _config(folder, run)), folder / run["name"], children
-                    )
+                    stack = Plan(name, router, _config(folder, run), further=tuple(run["further"]))
+                    lanes[number] = Lane(experiment, run, stack, folder / run["name"], children)
             if not waiting and (len(lanes) < parallel or not lanes):
                 studio.start_if_recorded()  # a core has become free
         for lane in lanes.values():
@@ -132,22 +142,13 @@ def _router(children: Children, endpoint: str, folder: Path) -> None:
         time.sleep(0.02)
 
 
-def _protocol() -> dict[str, Any]:
-    done = subprocess.run(command("experiment", ["plan"]), capture_output=True, text=True, check=False)
+def _plan(experiment: str, names: list[str]) -> dict[str, Any]:
+    arguments = ["plan", experiment, *(word for name in names for word in ("--run", name))]
+    done = subprocess.run(command("experiment", arguments), capture_output=True, text=True, check=False)
     if done.returncode:
-        refuse(
-            f"services.experiment: {(done.stderr.strip().splitlines() or ['ended without a word'])[-1]}", 1
-        )
+        said = (done.stderr.strip().splitlines() or ["ended without a word"])[-1]
+        refuse(said.removeprefix("experiment: "), done.returncode)
     return json.loads(done.stdout)
-
-
-def _choose(runs: list[dict[str, Any]], names: str) -> list[dict[str, Any]]:
-    known = {run["name"]: run for run in runs}
-    wanted = [name.strip() for name in names.split(",") if name.strip()] or list(known)
-    for name in wanted:
-        if name not in known:
-            refuse(f"--runs: there is no run {name!r}; choose from {', '.join(known)}")
-    return [known[name] for name in dict.fromkeys(wanted)]
 
 
 def _report_arguments(folder: Path, chosen: list[dict[str, Any]]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Command line of the experiment: `plan`, `load` (one run against a running stack), `film` and `report`."""
+"""Command line of the experiments: `plan`, `play` (one run against a running stack), `film` and `report`."""
 
 from __future__ import annotations
 
@@ -13,13 +13,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from services.experiment import protocol
-from services.experiment.experiment import Answered, LoadExperiment
+from services.experiment.course import ANSWER_WITHIN, Ask, Failed
+from services.experiment.experiment import Answered, Experiment
 from services.experiment.film import FILM, render
-from services.experiment.protocol import RUNS, run_named
-from services.experiment.recording import RECORDING
-from services.experiment.report import write
-from services.experiment.sequence import ANSWER_WITHIN, Ask, Failed
+from services.experiment.load.play import LOAD
+from services.experiment.play import Play
+from services.experiment.recording import RECORDING, Recording
 from shared.bus import Bus, NoReply
 from shared.bus_zenoh import BusError, ZenohBus
 from shared.client import Client
@@ -30,6 +29,7 @@ from shared.process import StopRequest
 from shared.runner import Runner
 
 NAME = "experiment"
+PLAYS = {play.name: play for play in (LOAD,)}
 INCOMPLETE = (
     "incomplete.npz"  # what was recorded of a run that was not played to the end: nothing is judged by it
 )
@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options = _parser().parse_args(arguments)
         commands: dict[str, Callable[[argparse.Namespace], int]] = {
             "plan": _plan,
-            "load": _load,
+            "play": _play,
             "film": _film,
             "report": _report,
         }
@@ -57,15 +57,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(prog=f"python -m services.{NAME}", description=__doc__)
-    commands = parser.add_subparsers(dest="command", required=True, metavar="plan|load|film|report")
-    commands.add_parser("plan", help="print the runs and the settings that each needs, as JSON")
-    load = commands.add_parser("load", help="play one run against the running stack and record it")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="plan|play|film|report")
+    plan = commands.add_parser("plan", help="print runs and the settings that each needs, as JSON")
+    play = commands.add_parser("play", help="play one run against the running stack and record it")
+    for command in (plan, play):
+        command.add_argument("experiment", choices=PLAYS)
+    plan.add_argument("--run", action="append", default=[], metavar="NAME", help="this one, instead of all")
     shared = service_parser(NAME)
     for option in ("--robot", "--connect"):
-        load.add_argument(option, default=shared.get_default(option[2:]))
-    load.add_argument("--run", required=True, metavar="NAME", help=", ".join(run.name for run in RUNS))
-    load.add_argument("--out", type=Path, required=True, help="folder to put the recording into")
-    load.add_argument("--json", action="store_true", help="progress as JSON, one object per line")
+        play.add_argument(option, default=shared.get_default(option[2:]))
+    play.add_argument("--run", required=True, metavar="NAME", help="as in the plan")
+    play.add_argument("--out", type=Path, required=True, help="folder to put the recording into")
+    play.add_argument("--json", action="store_true", help="progress as JSON, one object per line")
     film = commands.add_parser("film", help="render a film of a recorded run")
     film.add_argument("folder", type=Path, help="folder of the run's recording")
     report = commands.add_parser("report", help="judge the recordings in a folder and write its page")
@@ -76,20 +79,33 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _plan(_options: argparse.Namespace) -> int:
-    runs = [dataclasses.asdict(run) for run in RUNS]
-    print(json.dumps({"runs": runs, "duration": protocol.END_AT, "film": protocol.FILMED}))
+def _plan(options: argparse.Namespace) -> int:
+    play = PLAYS[options.experiment]
+    runs = [play.run_named(name) for name in options.run] or play.runs
+    print(
+        json.dumps(
+            {
+                "runs": [dataclasses.asdict(run) for run in runs],
+                "duration": play.duration,
+                "film": play.filmed if play.filmed in {run.name for run in runs} else runs[0].name,
+            }
+        )
+    )
     return 0
 
 
 def _film(options: argparse.Namespace) -> int:
-    problem = render(options.folder)
+    problem = render(options.folder, _played(options.folder).film_data)
     print(f"no film: {problem}" if problem else options.folder / FILM)
     return 1 if problem else 0
 
 
 def _report(options: argparse.Namespace) -> int:
-    report = write(options.folder, options.ran)
+    folder: Path = options.folder
+    recorded = sorted(path.parent for path in folder.glob(f"*/{RECORDING}"))
+    if not recorded:
+        raise FileNotFoundError(f"{folder}: no recording of any run")
+    report = _played(recorded[0]).report(folder, options.ran)
     for claim in report.claims:
         print(
             f"{'pass' if claim.passed else 'FAIL'}  {claim.run}: {claim.text}: {claim.figure} ({claim.limit})"
@@ -100,9 +116,18 @@ def _report(options: argparse.Namespace) -> int:
     return 0 if all(claim.passed for claim in report.claims) and not report.unfinished else 1
 
 
-def _load(options: argparse.Namespace) -> int:
+def _played(folder: Path) -> Play:
+    """The experiment that was recorded in the folder of a run."""
+    name = Recording.load(folder / RECORDING).meta.get("experiment")
+    if name not in PLAYS:
+        raise ValueError(f"{folder / RECORDING}: of experiment {name!r}, known are {', '.join(PLAYS)}")
+    return PLAYS[name]
+
+
+def _play(options: argparse.Namespace) -> int:
     stop = StopRequest()
-    run = run_named(options.run)
+    play = PLAYS[options.experiment]
+    run = play.run_named(options.run)
     options.out.mkdir(parents=True, exist_ok=True)
     try:
         bus = ZenohBus(robot_name(options.robot), options.connect, give_up=lambda: stop.requested)
@@ -112,10 +137,10 @@ def _load(options: argparse.Namespace) -> int:
         raise
     try:
         client = Client(bus)
-        experiment = LoadExperiment(
+        experiment = play.experiment(
             run, bus, client.clock, lambda ask, answered: _ask_aside(client, ask, answered)
         )
-        reason = _play(experiment, bus, stop, _Progress(options.json))
+        reason = _conduct(experiment, bus, stop, _Progress(options.json))
         if stop.requested:
             # A broken-off run proves nothing, and writing a long recording takes longer than a signal allows.
             return 0
@@ -132,7 +157,7 @@ def _load(options: argparse.Namespace) -> int:
     return 1 if reason else 0
 
 
-def _play(experiment: LoadExperiment, bus: Bus, stop: StopRequest, progress: _Progress) -> str:
+def _conduct(experiment: Experiment, bus: Bus, stop: StopRequest, progress: _Progress) -> str:
     """Runs the loop until the end; returns why it failed, empty if it did not."""
     clock = SteadyClock()
     runner = Runner(experiment, bus, clock, wake=stop.wake.set)
@@ -168,19 +193,19 @@ class _Progress:
         self._as_json = as_json
         self._said: tuple[Any, ...] = ()
 
-    def show(self, experiment: LoadExperiment) -> None:
+    def show(self, experiment: Experiment) -> None:
         """Prints a line when something has changed."""
-        sequence = experiment.sequence
-        elapsed = sequence.elapsed(experiment.now())
-        event = sequence.events[-1] if sequence.events else None
+        course = experiment.course
+        elapsed = course.elapsed(experiment.now())
+        event = course.events[-1] if course.events else None
         if self._as_json:
-            said: tuple[Any, ...] = (sequence.phase, None if elapsed is None else round(elapsed, 1), event)
+            said: tuple[Any, ...] = (course.phase, None if elapsed is None else round(elapsed, 1), event)
             line = json.dumps(
-                {"phase": sequence.phase, "elapsed": said[1], "event": event.name if event else ""}
+                {"phase": course.phase, "elapsed": said[1], "event": event.name if event else ""}
             )
         else:
-            said = (sequence.phase, event)
-            line = f"{0.0 if elapsed is None else elapsed:5.1f} s  {sequence.phase}" + (
+            said = (course.phase, event)
+            line = f"{0.0 if elapsed is None else elapsed:5.1f} s  {course.phase}" + (
                 f" ({event.name} {event.detail})" if event else ""
             )
         if said != self._said:

@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from services.experiment.judge import Claim
+from services.experiment.claim import Claim
 
 _STYLE = """
 :root { color-scheme: light; --ink: #1c1c1c; --soft: #5c5c5c; --line: #dcdcdc; --good: #00694d; --bad: #b00020; }

@@ -1,160 +1,25 @@
-"""Turns recordings of the load experiment into a folder: page, figures, CSV of every series, film, claims as JSON."""
+"""What a report says in short; each experiment writes its own."""
 
 from __future__ import annotations
 
-import dataclasses
-import json
-import platform
-import sys
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from services.experiment import figures
-from services.experiment.film import FILM
-from services.experiment.judge import Claim, judge
-from services.experiment.measures import Measures, measure
-from services.experiment.page import page
-from services.experiment.protocol import FORCE_LIMIT, HEAVY, HOLD, LIGHT, RUNS, TORQUE_LIMIT, Run, unambiguous
-from services.experiment.recording import RECORDING, Recording
-
-GAP = 0.15  # [s] without a sample; the services latch a sensor failure after 0.1 s
-HELD = 0.02  # share of the time
+from services.experiment.claim import Claim
 
 
 @dataclass(frozen=True)
 class Report:
-    """What was written and what it says."""
+    """What was written and what it says.
+
+    Attributes:
+        index: the page.
+        claims: all of them, in order.
+        problems: what may have disturbed a run, a line each.
+        unfinished: runs that are not judged, and why.
+    """
 
     index: Path
     claims: list[Claim]
     problems: list[str]
     unfinished: list[str]
-
-
-def write(folder: Path, commands: Sequence[str] = ()) -> Report:
-    """Builds the report of all runs recorded under `folder` (one subfolder per run with its recording).
-
-    Args:
-        folder: where the runs lie and the page goes.
-        commands: how it was run, for the page.
-
-    Raises:
-        FileNotFoundError: no recording under `folder`.
-        ValueError: no run was played to the end.
-    """
-    runs = {run.name: run for run in RUNS if (folder / run.name / RECORDING).exists()}
-    if not runs:
-        raise FileNotFoundError(f"{folder}: no recording of any run ({', '.join(run.name for run in RUNS)})")
-    recordings = {name: Recording.load(folder / name / RECORDING) for name in runs}
-    measured, unfinished = _measure(recordings)
-    runs = {name: run for name, run in runs.items() if name in measured}
-    recordings = {name: recordings[name] for name in measured}
-    claims = judge(runs, measured, FORCE_LIMIT[2])
-    disturbances = [*unfinished, *_disturbances(measured)]
-
-    drawn = _draw(folder, runs, recordings, measured)
-    files = {name: recording.write_csv(folder / name / "csv") for name, recording in recordings.items()}
-    films = {name: folder / name / FILM for name in runs if (folder / name / FILM).exists()}
-    index = folder / "index.html"
-    index.write_text(
-        page(
-            "Load experiment",
-            f"The simulated TIAGo holds a pose with force limits of {FORCE_LIMIT[2]:.0f} N. A bag of {LIGHT:.0f} N "
-            f"is hung from its tool, then made heavier than the limit ({HEAVY:.0f} N), then taken off.",
-            claims,
-            drawn,
-            {
-                f"{runs[name].title}: the recorded joint angles, rendered": path
-                for name, path in films.items()
-            },
-            _facts(recordings),
-            files,
-            folder,
-            [*disturbances, *_notes(measured)],
-            commands,
-            {name: recording.meta["settings"] for name, recording in recordings.items()},
-        ),
-        encoding="utf-8",
-    )
-    summary = {
-        "claims": [dataclasses.asdict(claim) for claim in claims],
-        "measures": {name: dataclasses.asdict(found) for name, found in measured.items()},
-        "problems": disturbances,
-    }
-    (folder / "claims.json").write_text(json.dumps(summary, indent=2), encoding="utf-8")
-    return Report(index, claims, disturbances, unfinished)
-
-
-def _draw(
-    folder: Path,
-    runs: Mapping[str, Run],
-    recordings: Mapping[str, Recording],
-    measured: Mapping[str, Measures],
-) -> list[tuple[Path, str]]:
-    target = folder / "figures"
-    target.mkdir(exist_ok=True)
-    drawn = [
-        (
-            figures.save(figures.draw_comparison(runs, recordings), target / "comparison")[0],
-            "All laws in the same test: load on the tool (mean over 0.3 s, pale: its range) and height of the tool.",
-        ),
-        (
-            figures.save(figures.draw_lowering(runs, recordings, measured), target / "lowering")[0],
-            "The same after the heavier bag: how each law lowers it and how it lands. Unsmoothed.",
-        ),
-    ]
-    for name, run in runs.items():
-        figure = figures.draw_run(run, recordings[name], measured[name])
-        caption = f"{run.title}: every sample (pale) and the mean over 0.3 s."
-        drawn.append((figures.save(figure, target / name)[0], caption))
-    return drawn
-
-
-def _measure(recordings: Mapping[str, Recording]) -> tuple[dict[str, Measures], list[str]]:
-    """The runs that were played to the end, and a line for each other one."""
-    measured, unfinished = {}, []
-    for name, recording in recordings.items():
-        try:
-            measured[name] = measure(recording)
-        except (KeyError, ValueError) as problem:
-            unfinished.append(f"{name} is not judged: {problem.args[0]}")
-    if not measured:
-        raise ValueError("; ".join(unfinished))
-    return measured, unfinished
-
-
-def _disturbances(measured: Mapping[str, Measures]) -> list[str]:
-    """Runs in which the machine did not keep time, so that what failed there may be the machine's doing."""
-    return [
-        f"{name}: the force sensor was silent for up to {1e3 * found.longest_gap:.0f} ms and the controller held still "
-        f"{100 * found.unhealthy:.0f} % of the time: the machine is overloaded or a process was disturbed"
-        for name, found in measured.items()
-        if found.longest_gap > GAP or found.unhealthy > HELD
-    ]
-
-
-def _notes(measured: Mapping[str, Measures]) -> list[str]:
-    bound = max(found.error_bound for found in measured.values())
-    return [
-        f"The paper's heavier bag weighs exactly the limit, so noise decides. Here it weighs {HEAVY:.0f} N, more than "
-        f"the limit plus twice the error bound that the wrench service publishes ({bound:.2f} N) plus a margin "
-        f"({unambiguous(bound):.2f} N in all).",
-        "A weight that hangs free cannot be made lighter by moving: while it hangs, the load exceeds the limit by "
-        "definition. What the laws promise is to lower it, and the certified law that the load is back within the "
-        "limit once the ground bears the rest.",
-        "The stiffness law is the paper's baseline at the paper's stiffness; that it sags is the finding, not a fault.",
-    ]
-
-
-def _facts(recordings: Mapping[str, Recording]) -> dict[str, str]:
-    first = next(iter(recordings.values()))
-    version = ".".join(str(part) for part in sys.version_info[:3])
-    return {
-        "when": str(first.meta.get("date", "")),
-        "machine": f"{platform.machine()}, {platform.system()}, Python {version}",
-        "hold pose": f"[{', '.join(f'{value:g}' for value in HOLD)}] (m, rad)",
-        "limits": f"{FORCE_LIMIT[0]:g} N, {TORQUE_LIMIT[0]:g} Nm on every axis",
-        "bags": f"{LIGHT:g} N, then {HEAVY:g} N",
-        "bus": str(first.meta.get("bus", "")),
-    }

@@ -6,17 +6,20 @@ from functools import cache
 
 import pytest
 
-from benchmarks.load_stack import play
-from services.experiment.judge import Claim, judge
-from services.experiment.measures import Measures, measure
-from services.experiment.protocol import FORCE_LIMIT, HEAVY, LIGHT, RUNS, Run, run_named, unambiguous
+from benchmarks.experiment_stack import play_run
+from services.experiment.claim import Claim
+from services.experiment.load.judge import judge
+from services.experiment.load.measures import Measures, measure
+from services.experiment.load.play import LOAD
+from services.experiment.load.protocol import FORCE_LIMIT, HEAVY, LIGHT, RUNS, run_named, unambiguous
+from services.experiment.run import Run
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 
 
 @cache
 def measured(name: str) -> Measures:
-    return measure(play(run_named(name)))
+    return measure(play_run(LOAD, run_named(name)))
 
 
 def claims(*names: str) -> list[Claim]:
@@ -52,4 +55,4 @@ def test_a_higher_rate_and_an_earlier_start_lower_sooner() -> None:
 
 
 def test_the_same_run_twice_gives_the_same_figures() -> None:
-    assert measure(play(run_named("paper-30"))) == measured("paper-30")
+    assert measure(play_run(LOAD, run_named("paper-30"))) == measured("paper-30")

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.experiment import protocol
-from services.experiment.protocol import Run
+from services.experiment.load import protocol
 from services.experiment.recording import Event, Recording
+from services.experiment.run import Run
 from shared.constants import GRAVITY
 
 STEP = 0.01  # [s]
@@ -126,6 +126,7 @@ def _assemble(
         Event(protocol.UNLOAD_AT, "unload", "taken off"),
     ]
     meta = {
+        "experiment": "load",
         "name": run.name,
         "force_limit": list(protocol.FORCE_LIMIT),
         "torque_limit": list(protocol.TORQUE_LIMIT),

@@ -7,9 +7,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from services.experiment.judge import judge
-from services.experiment.measures import measure, reversals
-from services.experiment.protocol import FORCE_LIMIT, RUNS, Run, run_named
+from services.experiment.load.judge import judge
+from services.experiment.load.measures import measure, reversals
+from services.experiment.load.protocol import FORCE_LIMIT, RUNS, run_named
+from services.experiment.run import Run
 from tests.services.experiment.synthetic import Defect, recording
 
 

@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from services.experiment import film, report
+from services.experiment import film
+from services.experiment.load import report
+from services.experiment.load.film import film_data
+from services.experiment.load.protocol import RUNS, run_named
 from services.experiment.main import main
-from services.experiment.protocol import RUNS, run_named
 from services.experiment.recording import RECORDING
 from tests.services.experiment.synthetic import Defect, recording
 
@@ -100,7 +102,7 @@ def test_a_film_is_shown_on_the_page(tmp_path: Path) -> None:
 
 
 def test_film_data_are_on_one_time_base(tmp_path: Path) -> None:
-    film.film_data(recording(run_named("certified-100")), tmp_path / "film.npz")
+    film_data(recording(run_named("certified-100")), tmp_path / "film.npz")
     with np.load(tmp_path / "film.npz") as data:
         count = len(data["time"])
         assert data["time"][0] >= 0.0

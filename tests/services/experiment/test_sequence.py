@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from services.experiment import protocol
-from services.experiment.protocol import run_named
-from services.experiment.sequence import Failed, LoadSequence, Seen
+from services.experiment.course import Failed
+from services.experiment.experiment import PERIOD
+from services.experiment.load import protocol
+from services.experiment.load.protocol import run_named
+from services.experiment.load.sequence import LoadSequence
+from services.experiment.seen import Seen
 from shared import topics
 
 RUN = run_named("certified-100")
@@ -34,7 +37,7 @@ def play(
             asked.append((now, ask))
             if answer is not None:
                 sequence.answered(answer)
-        now += protocol.TARGET_PERIOD
+        now += PERIOD
     return sequence, asked
 
 
@@ -58,7 +61,7 @@ def test_ends_at_the_latest_when_the_tool_does_not_come_back() -> None:
         unloaded = any(event.name == "unload" for event in sequence.events)
         for _ in sequence.step(now, low if unloaded else AT_POSE):
             sequence.answered({"ok": True})
-        now += protocol.TARGET_PERIOD
+        now += PERIOD
     assert sequence.start is not None
     assert sequence.events[-1].time - sequence.start == pytest.approx(protocol.END_AT, abs=0.2)
 
@@ -69,7 +72,7 @@ def test_a_tare_that_is_refused_once_is_asked_for_again() -> None:
         for _ in sequence.step(now, AT_POSE):
             asked += 1
             sequence.answered({"ok": asked > 1, "error": "a sample came late"})
-        now += protocol.TARGET_PERIOD
+        now += PERIOD
     assert asked == 2
     assert sequence.start is not None
 

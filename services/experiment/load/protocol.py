@@ -8,9 +8,9 @@ weighs `HEAVY` (see there).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
+from services.experiment.run import Run
 from shared.constants import GRAVITY
 
 HOLD = (0.5, -0.3, 1.0, 0.0, 0.0, 0.0)  # tool in base: x, y, z [m], roll, pitch, yaw [rad]
@@ -21,7 +21,6 @@ HEAVY = 28.0  # weight of the heavier bag [N]: over limit + 2 error bounds, see 
 LIGHT_AT, HEAVY_AT = 10.0, 17.0  # [s]
 UNLOAD_AT = 30.0  # [s]: the heavier bag has been on the ground for a while under every law
 END_AT = 45.0  # [s] at the latest; earlier when the tool has come back and rests
-TARGET_PERIOD = 0.1  # [s] between two `control/target`
 FILMED = "certified-100"  # the run that the film shows
 JITTER = 0.020  # [s] that a command may be late: the longest time one command acts is a period and this
 MARGIN = 0.5  # [N] kept between what noise can hide and the heavier bag
@@ -38,21 +37,6 @@ def unambiguous(error_bound: float) -> float:
     The certified law yields beyond limit + error_bound, as measured; the measurement may read an error_bound too low.
     """
     return FORCE_LIMIT[2] + 2 * error_bound + MARGIN
-
-
-@dataclass(frozen=True)
-class Run:
-    """One configuration of the stack under which the experiment is played.
-
-    `settings` are the parameters that differ from the services' defaults: service -> parameter -> value.
-    `weight_held` is the largest weight [N] that this law promises to hold (0: it promises none).
-    """
-
-    name: str
-    title: str
-    law: str
-    rate: float
-    settings: dict[str, dict[str, Any]] = field(default_factory=dict)
 
 
 def _run(name: str, title: str, law: str, rate: float, **controller: Any) -> Run:
@@ -101,4 +85,4 @@ def run_named(name: str) -> Run:
     for run in RUNS:
         if run.name == name:
             return run
-    raise ValueError(f"--run: there is no run {name!r}; choose from {', '.join(run.name for run in RUNS)}")
+    raise ValueError(f"there is no run {name!r}; choose from {', '.join(run.name for run in RUNS)}")

@@ -8,28 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
-from services.experiment.measures import GROUND, Measures
-from services.experiment.protocol import LIGHT, Run
+from services.experiment.claim import Claim
+from services.experiment.load.measures import GROUND, Measures
+from services.experiment.load.protocol import LIGHT
+from services.experiment.run import Run
 
 HOLD_WITHIN = 0.010  # [m]
 SAG_AT_LEAST = 0.1  # [m]: "sags by decimetres"
 RETURN_WITHIN = 0.010  # [m]
 STEADY_WITHIN = 1.0  # [N]: twice the sensor's error bound
 SPEED_SLACK = 1.05  # the tool's tracking may overshoot the commanded speed by this factor
-
-
-@dataclass(frozen=True)
-class Claim:
-    """One line of the table. `run` is the run's name, or two names for a comparison; `short` says `text` in a row."""
-
-    run: str
-    short: str
-    text: str
-    figure: str
-    limit: str
-    passed: bool
 
 
 def judge(runs: Mapping[str, Run], measured: Mapping[str, Measures], limit: float) -> list[Claim]:

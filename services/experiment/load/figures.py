@@ -14,9 +14,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.lib.stride_tricks import sliding_window_view
 
-from services.experiment.measures import Measures
-from services.experiment.protocol import RUNS, Run
+from services.experiment.load.measures import Measures
+from services.experiment.load.protocol import RUNS
 from services.experiment.recording import Recording
+from services.experiment.run import Run
 from shared import topics
 
 # Okabe and Ito's palette: told apart with any colour vision; line styles carry the same information in grey.

@@ -1,0 +1,89 @@
+"""An experiment with all services in one process under a simulated clock."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from services.base.base import Base
+from services.base.parameters import BaseParameters
+from services.controller.controller import Controller
+from services.controller.parameters import ControllerParameters
+from services.experiment.course import Ask
+from services.experiment.experiment import Answered, Experiment
+from services.experiment.play import Play
+from services.experiment.recording import Recording
+from services.experiment.run import Run
+from services.sim.camera import Darkroom, OwnDarkroom
+from services.sim.parameters import SimParameters
+from services.sim.sight import Sight
+from services.sim.simulator import Simulator
+from services.task.parameters import TaskParameters
+from services.task.task import Task
+from services.wrench.parameters import WrenchParameters
+from services.wrench.wrench import Wrench
+from shared.clock import seconds
+from shared.codec import decode_map, encode_map
+from shared.stack import Stack
+
+LATENCY = 0.0005  # [s] of every message, about what the router takes
+LONGEST = 240.0  # [s] of simulated time for one run, settling included
+
+
+class Staged:
+    """A stack with an experiment on it.
+
+    Attributes:
+        stack: the services.
+        experiment: that plays.
+        simulator: the robot and what is around it.
+
+    Args:
+        play: which experiment.
+        run: which of its runs.
+        folder: where the services keep what outlives them.
+        darkroom: where the camera's pictures are rendered.
+    """
+
+    def __init__(
+        self, play: Play, run: Run, folder: Path, darkroom: Callable[[Sight], Darkroom] = OwnDarkroom
+    ) -> None:
+        self.stack = Stack(LATENCY)
+        clock = self.stack.scheduler.clock
+        settings = run.settings
+        self.simulator = Simulator(SimParameters.of(settings.get("sim", {})), darkroom)
+        self.stack.add(self.simulator)
+        self.stack.add(Wrench(WrenchParameters.of(settings.get("wrench", {})), folder))
+        self.stack.add(Controller(ControllerParameters.of(settings.get("controller", {}))))
+        if "base" in run.further:
+            self.stack.add(Base(BaseParameters.of(settings.get("base", {}))))
+        if "task" in run.further:
+            parameters = TaskParameters.of(settings.get("task", {}))
+            self.stack.add(Task(parameters, lambda: seconds(clock.now_ns()), folder))
+        self.experiment: Experiment = play.experiment(run, self.stack.bus, clock, self._ask)
+        self.stack.add(self.experiment)
+
+    def _ask(self, ask: Ask, answered: Answered) -> None:
+        served = self.stack.bus.query_later(
+            ask.query.key, encode_map(ask.request), lambda payload: answered(decode_map(payload))
+        )
+        if not served:
+            answered({"ok": False, "error": f"nobody serves {ask.query.key}"})
+
+
+def play_run(play: Play, run: Run, darkroom: Callable[[Sight], Darkroom] = OwnDarkroom) -> Recording:
+    """Plays one run in simulated time.
+
+    Raises:
+        services.experiment.course.Failed: the experiment could not be completed.
+        TimeoutError: it did not end.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        staged = Staged(play, run, Path(folder), darkroom)
+        staged.stack.run(LONGEST, done=lambda: staged.experiment.finished)
+    if not staged.experiment.finished:
+        raise TimeoutError(
+            f"{run.name}: still {staged.experiment.course.phase} after {LONGEST:g} s of simulated time"
+        )
+    return staged.experiment.recording(bus="in-process, simulated time")
