@@ -80,7 +80,11 @@ class TaskParameters(Parameters):
         3.0, unit="N", minimum=0.0, maximum=100.0, doc="effort that a verified grasp shows at least"
     )
     grasp_width: float = parameter(
-        0.01, unit="m", minimum=1e-3, maximum=0.1, doc="largest difference of opening and panel_thickness"
+        0.02,
+        unit="m",
+        minimum=1e-3,
+        maximum=0.1,
+        doc="largest difference of opening and panel_thickness: foam and fingers give way",
     )
     compensation: Literal["tare", "payload"] = parameter(
         "tare", unit="", doc="least compensation of the wrench; turning by 90 degrees wants payload"
