@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shared.fields import Boolean, Number, Quaternion, Vector
+from shared.fields import Boolean, Number, Quaternion, Text, Vector
 from shared.records import Record, RecordOf, of
 
 
@@ -28,11 +28,12 @@ class BagState(Record):
 
 @dataclass(frozen=True, eq=False)
 class HandState(Record):
-    """The simulated person's hands, in world."""
+    """The simulated person's hands, in world; ``doing`` is the kind of phase of his script, for people to read."""
 
     position: np.ndarray = of(Vector("m"))
     force: np.ndarray = of(Vector("N"))
     torque: np.ndarray = of(Vector("Nm"))
+    doing: str = of(Text(), default="")
 
 
 @dataclass(frozen=True, eq=False)

@@ -167,5 +167,5 @@ class Simulator:
             panel = PanelState(body.position, quaternion(body.rotation))
             if carry.person.asked:
                 hands = carry.person.hands
-                hand = HandState(hands.place, hands.force, hands.torque)
+                hand = HandState(hands.place, hands.force, hands.torque, carry.person.doing)
         return SimWorld(self.world.time, panel, state, hand, np.array(self.world.contact_force), visible)
