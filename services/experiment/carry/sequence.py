@@ -1,0 +1,113 @@
+"""The course of the carry: tare, the person's script and the task's start, then its states until it is done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from services.experiment.carry import protocol
+from services.experiment.course import Ask, Course
+from services.experiment.recording import Event
+from services.experiment.run import Run
+from services.experiment.seen import Seen
+from shared import topics
+
+STILL = 0.005  # [m/s]: a slower tool counts as still
+TARE_DURATION = 1.0  # [s] averaged
+TARE_AGAIN = 8  # times, when it is refused
+AFTERWARDS = 3.0  # [s] recorded after the end: what was set down has to stay where it is
+GIVEN_UP = ("holding", "idle")  # states of the task in which it goes on only if somebody says so
+
+
+class CarrySequence(Course):
+    """Starts person and task, covers the marker once the panel is held, and waits for the end."""
+
+    def __init__(self, run: Run) -> None:
+        super().__init__(run, "waiting for the robot")
+        self._retries = 0
+        self._state = ""
+        self._doing = ""
+        self._ended: float | None = None
+
+    @property
+    def phases(self) -> Mapping[str, Callable[[float, Seen], list[Ask]]]:
+        """What to do in each phase."""
+        return {
+            "waiting for the robot": self._wait,
+            "standing still before the tare": self._stand,
+            "placing the person": self._place,
+            "starting the task": self._start,
+            "playing": self._play,
+        }
+
+    def _wait(self, now: float, seen: Seen) -> list[Ask]:
+        if lacking := seen.lacking(self.run):
+            self.give_up(now, 30.0, lacking)
+        else:
+            self.enter("standing still before the tare", now)
+        return []
+
+    def _stand(self, now: float, seen: Seen) -> list[Ask]:
+        if seen.speed > STILL:
+            self.give_up(now, 60.0, f"the tool still moves at {1e3 * seen.speed:.0f} mm/s. {seen.trouble}")
+            return []
+        return self.ask(now, Ask(topics.WRENCH_TARE, {"duration": TARE_DURATION}, TARE_DURATION))
+
+    def _place(self, now: float, _seen: Seen) -> list[Ask]:
+        script = protocol.SCRIPTS[self.run.name.rpartition("-")[2]]
+        return self.ask(now, Ask(topics.SIM_COMMAND, {"command": "hand", "script": script}))
+
+    def _start(self, now: float, _seen: Seen) -> list[Ask]:
+        return self.ask(now, Ask(topics.TASK_COMMAND, {"command": "start"}))
+
+    def _play(self, now: float, seen: Seen) -> list[Ask]:
+        assert self.start is not None
+        if seen.doing != self._doing:
+            self._doing = seen.doing
+            if seen.doing:
+                self.events.append(Event(now, f"person: {seen.doing}"))
+        if seen.task != self._state:
+            self._state = seen.task
+            self.events.append(Event(now, seen.task, seen.reason))
+            if seen.task == "carrying" and all(event.name != "covered" for event in self.events):
+                return self.ask(now, Ask(topics.SIM_COMMAND, {"command": "cover_marker"}))
+        self._end(now, seen)
+        return []
+
+    def _end(self, now: float, seen: Seen) -> None:
+        assert self.start is not None
+        over = (seen.task == "done" and not seen.doing) or (
+            seen.task in GIVEN_UP and now - self.start > 1.0 and self._state == seen.task
+        )
+        if not over:
+            self._ended = None
+        elif self._ended is None:
+            self._ended = now
+        late = now - self.start > protocol.END_AT
+        if late or (self._ended is not None and now - self._ended >= AFTERWARDS):
+            self.events.append(Event(now, "end", "" if self._ended is not None else "out of time"))
+            self.done = True
+
+    def accepted(self, ask: Ask, sent: float, now: float) -> None:
+        """One step further."""
+        if ask.query is topics.WRENCH_TARE:
+            self.events.append(Event(sent, "tare"))
+            self.enter("placing the person", now)
+        elif ask.query is topics.TASK_COMMAND:
+            self.start = now
+            self.events.append(Event(now, "start"))
+            self.enter("playing", now)
+        elif self.phase == "playing":
+            self.events.append(Event(now, "covered", "the marker"))
+        else:
+            self.enter("starting the task", now)
+
+    def refused(self, ask: Ask, reason: str, now: float) -> None:
+        """A tare may be disturbed for a moment: stand still and ask again.
+
+        Raises:
+            Failed: for anything else, or too often.
+        """
+        self._retries += 1
+        if ask.query is not topics.WRENCH_TARE or self._retries > TARE_AGAIN:
+            super().refused(ask, reason, now)
+        self.enter(self.phase, now)
