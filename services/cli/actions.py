@@ -1,4 +1,4 @@
-"""Commands that act on a running stack: stop, resume, tare, task, hold, load."""
+"""Commands that act on a running stack: stop, resume, tare, task, hold."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from services.cli.refusal import refuse
 from shared import topics
 from shared.bus import Bus
 from shared.client import Client
-from shared.constants import GRAVITY
 from shared.fields import InvalidField
 from shared.inlet import Inlet
 from shared.messages import ControlStatus, ControlTarget, RobotStatus, Stop
@@ -117,17 +116,6 @@ def hold(
                 shown = line.split(":")[0]
                 typer.echo(f"controller: {line}")
     typer.echo("the last target stays in force")
-
-
-def load(
-    weight: Annotated[float, typer.Argument(min=0.0, help="Weight of the bag [N]; 0 takes it off.")],
-    robot: Robot = DEFAULT_ROBOT,
-    connect: Connect = DEFAULT_ENDPOINT,
-) -> None:
-    """Hang a bag from the simulated robot's tool."""
-    with open_bus(robot, connect) as bus:
-        ask(bus, topics.SIM_COMMAND, {"command": "load", "mass": weight / GRAVITY})
-    typer.echo(f"a bag of {weight:g} N hangs from the tool" if weight else "the bag is off")
 
 
 def make_target(pose: list[float], force: list[float], torque: list[float]) -> ControlTarget:

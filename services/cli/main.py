@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from services.cli import actions, param, run, topic
+from services.cli import actions, param, run, simulated, topic
 from services.cli.certify import CONTEXT, certify
 from services.cli.identify import identify
 from services.cli.refusal import USAGE
@@ -32,7 +32,9 @@ commands.command()(actions.tare)
 commands.command()(actions.task)
 commands.command()(identify)
 commands.command(context_settings=NUMBERS)(actions.hold)
-commands.command(context_settings=NUMBERS)(actions.load)
+commands.command(context_settings=NUMBERS)(simulated.load)
+commands.command(context_settings=NUMBERS)(simulated.hand)
+commands.command()(simulated.cover)
 commands.command(context_settings=CONTEXT)(certify)
 
 

@@ -1,9 +1,8 @@
-"""`tandem run load`: a stack per run, the experiment beside it, the report of all runs, everything down again."""
+"""`tandem run`: a stack per run, the experiment beside it, the report of all runs, everything down again."""
 
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 import threading
 import time
@@ -13,14 +12,15 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from services.cli.children import Child, Children, command
+from services.cli.children import Child, Children
 from services.cli.claims import claims_table
 from services.cli.interrupt import stop_event
 from services.cli.lane import Lane
 from services.cli.options import DEFAULT_ROBOT, Robot
-from services.cli.plan import DEFAULT_ENDPOINT, ROUTER, Plan, check_port, to_toml
+from services.cli.plan import DEFAULT_ENDPOINT, ROUTER, Plan, check_port
 from services.cli.progress import Progress
 from services.cli.refusal import refuse
+from services.cli.runs import planned, write_config
 from services.cli.studio import Studio
 from services.cli.up import Router
 
@@ -54,11 +54,34 @@ def load(
     _run("load", names, out, parallel, film, robot, router)
 
 
+@app.command()
+def carry(
+    law: Annotated[str, typer.Option(help="certified, paper or stiffness: that run alone.")] = "",
+    base: Annotated[str, typer.Option(help="omni or differential: that run alone.")] = "",
+    no_base: Annotated[bool, typer.Option("--no-base", help="The arm alone: that run alone.")] = False,
+    runs: Annotated[str, typer.Option(help="Names of runs, LAW-BASE, separated by commas.")] = "",
+    out: Out = None,
+    parallel: Parallel = 2,
+    film: Film = True,
+    robot: Robot = DEFAULT_ROBOT,
+    router: Router = DEFAULT_ENDPOINT,
+) -> None:
+    """Robot and person find, lift, carry, turn and set down a panel; exit status 1 when a claim fails."""
+    if no_base and base:
+        refuse(f"--no-base and --base {base}: choose one")
+    if runs and (law or base or no_base):
+        refuse("--runs names whole runs: leave --law, --base and --no-base out")
+    names = [name.strip() for name in runs.split(",") if name.strip()]
+    if law or base or no_base:
+        names = [f"{law or 'certified'}-{'none' if no_base else base or 'omni'}"]
+    _run("carry", names, out, parallel, film, robot, router)
+
+
 def _run(
     experiment: str, names: list[str], out: Path | None, parallel: int, film: bool, robot: str, router: str
 ) -> None:
     """Plays the runs, all if none is named, and writes their report."""
-    plan = _plan(experiment, names)
+    plan = planned(experiment, names)
     chosen = plan["runs"]
     check_port(router)
     folder = out or Path("runs") / f"{experiment}-{time.strftime('%Y%m%d-%H%M%S')}"
@@ -115,7 +138,12 @@ def _play(
                 if waiting and number not in lanes:
                     run = waiting.pop(0)
                     name = robot if number == 0 else f"{robot}-{number + 1}"
-                    stack = Plan(name, router, _config(folder, run), further=tuple(run["further"]))
+                    stack = Plan(
+                        name,
+                        router,
+                        write_config(run, folder / run["name"] / "config.toml"),
+                        further=tuple(run["further"]),
+                    )
                     lanes[number] = Lane(experiment, run, stack, folder / run["name"], children)
             if not waiting and (len(lanes) < parallel or not lanes):
                 studio.start_if_recorded()  # a core has become free
@@ -125,14 +153,6 @@ def _play(
     return failures
 
 
-def _config(folder: Path, run: dict[str, Any]) -> Path:
-    """The run's settings as a file that `tandem up --config` takes too."""
-    path = folder / run["name"] / "config.toml"
-    path.parent.mkdir(exist_ok=True)
-    path.write_text(to_toml(run["settings"]), encoding="utf-8")
-    return path
-
-
 def _router(children: Children, endpoint: str, folder: Path) -> None:
     router = children.start(Child(ROUTER, ["--listen", endpoint], folder / f"{ROUTER}.log"))
     deadline = time.monotonic() + 0.3
@@ -140,15 +160,6 @@ def _router(children: Children, endpoint: str, folder: Path) -> None:
         if router.status is not None:
             refuse(f"{ROUTER} {router.how_it_ended()}", 1)
         time.sleep(0.02)
-
-
-def _plan(experiment: str, names: list[str]) -> dict[str, Any]:
-    arguments = ["plan", experiment, *(word for name in names for word in ("--run", name))]
-    done = subprocess.run(command("experiment", arguments), capture_output=True, text=True, check=False)
-    if done.returncode:
-        said = (done.stderr.strip().splitlines() or ["ended without a word"])[-1]
-        refuse(said.removeprefix("experiment: "), done.returncode)
-    return json.loads(done.stdout)
 
 
 def _report_arguments(folder: Path, chosen: list[dict[str, Any]]) -> list[str]:

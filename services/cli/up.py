@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import tempfile
 import threading
 import time
 from dataclasses import replace
@@ -32,6 +33,7 @@ from services.cli.plan import (
     remembered,
 )
 from services.cli.refusal import refuse
+from services.cli.runs import planned, write_config
 from services.cli.stack import Stack
 from services.cli.view import stack_view
 from services.cli.watch import Watch
@@ -64,12 +66,22 @@ def up(
     config: Config = None,
     settings: Set = [],  # noqa: B006 - typer copies it
     further: With = [],  # noqa: B006
+    carry: Annotated[
+        bool,
+        typer.Option("--carry", help="With panel, camera and person, base and task, set up for a carry."),
+    ] = False,
 ) -> None:
     """Start a stack (router, simulated robot, wrench, controller) and show its state until Ctrl-C."""
-    plan = Plan(robot, router, check_config(config), parse_settings(settings), check_further(further))
+    if carry and config is not None:
+        refuse(f"--carry and --config {config}: choose one; --set goes with both")
+    parsed, more = parse_settings(settings), check_further(further)
     check_port(router)
     stop = stop_event()
-    with Children() as children:
+    with Children() as children, tempfile.TemporaryDirectory(prefix="tandem-") as folder:
+        if carry:
+            (run,) = planned("carry", ["certified-omni"])["runs"]
+            config, more = write_config(run, Path(folder) / "carry.toml"), tuple(run["further"])
+        plan = Plan(robot, router, check_config(config), parsed, more)
         stack = Stack(plan, children)
         try:
             stack.wait_for_router()

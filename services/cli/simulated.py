@@ -1,0 +1,60 @@
+"""Commands that only a simulated robot understands: load, hand, cover."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+import typer
+
+from services.cli.ask import ask
+from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
+from services.cli.refusal import refuse
+from shared import topics
+from shared.constants import GRAVITY
+
+
+def load(
+    weight: Annotated[float, typer.Argument(min=0.0, help="Weight of the bag [N]; 0 takes it off.")],
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Hang a bag from the simulated robot's tool."""
+    _command(robot, connect, {"command": "load", "mass": weight / GRAVITY})
+    typer.echo(f"a bag of {weight:g} N hangs from the tool" if weight else "the bag is off")
+
+
+def hand(
+    where: Annotated[
+        list[str],
+        typer.Argument(
+            help="X Y Z [m] to guide the hands to, in base_footprint as it stood at the start; or: carry"
+        ),
+    ],
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Have the simulated person guide the panel's far end somewhere, or play the whole carry."""
+    if len(where) == 1:
+        _command(robot, connect, {"command": "hand", "script": where[0]})
+        typer.echo(f"the person plays {where[0]!r}")
+        return
+    try:
+        target = [float(number) for number in where]
+    except ValueError:
+        target = []
+    if len(target) != 3 or not all(map(math.isfinite, target)):
+        refuse(f"hand {' '.join(where)}: wanted X Y Z in m, or the name of a script: carry")
+    _command(robot, connect, {"command": "hand", "target": target})
+    typer.echo(f"the hands go to {target} m, at 0.15 m/s")
+
+
+def cover(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) -> None:
+    """Put something over the simulated panel's marker."""
+    _command(robot, connect, {"command": "cover_marker"})
+    typer.echo("the marker is covered")
+
+
+def _command(robot: str, connect: str, request: dict[str, Any]) -> None:
+    with open_bus(robot, connect) as bus:
+        ask(bus, topics.SIM_COMMAND, request)
