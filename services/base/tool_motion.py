@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike
 
 from shared.spatial import Array
 
-PEAK = 1.4
-"""Peak of the wrench's excess over its rise within the response time, while the arm yields: measured on a scalar
-contact as stiff as declared (docs/guarantee.md, "A moving environment")."""
+PEAK = 3.0
+"""Peak of the wrench's excess over its rise within the response time, while the arm yields: measured, nearly the largest
+of all contacts in six axes (docs/guarantee.md, "A moving environment")."""
 
 
 def tool_twist(velocity: ArrayLike, position: ArrayLike) -> Array:

@@ -63,7 +63,7 @@ def robot_line(status: RobotStatus | None) -> tuple[str, bool]:
         f": {status.reason}" if status.reason else ""
     )
     if status.mode == "stopped":
-        return f"{line}. Release it with: tandem resume", False
+        return line if "tandem resume" in line else f"{line}. Release it with: tandem resume", False
     return line, True
 
 
