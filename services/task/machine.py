@@ -40,6 +40,7 @@ class Machine:
         self._approach: Approach | None = None
         self._carry: Carry | None = None
         self._rest: Pose | None = None
+        self._cause: Present | None = None
         self._waited = 0.0
         self._opening = self._starting = False
         self._opened = Held(_OPEN_AFTER)
@@ -131,6 +132,7 @@ class Machine:
         self._rest = (self._seen.tool if self._seen else None) if self._waited == 0.0 else self._rest
         self._waited += dt
         if self._waited > limit:
+            self._cause = fault
             return Decision(fault.sentence, self._rest, self._nominal(), after=State.HOLDING)
         head = None
         if self.state is State.CALIBRATING:
@@ -148,7 +150,7 @@ class Machine:
             return Decision(self.reason)
         if self.state is State.HOLDING:
             self._rest = self._rest or seen.tool
-            return Decision(self.reason, self._rest, self._nominal(), gripper=self._kept())
+            return Decision(self._why_held(), self._rest, self._nominal(), gripper=self._kept())
         steps = (
             {}
             if approach is None
@@ -170,6 +172,15 @@ class Machine:
             self.grip = False
         return decision
 
+    def _why_held(self) -> str:
+        """The reason as long as it lasts, then what to do."""
+        cause = self._cause
+        if cause is None or any(fault.name == cause.name for fault in self._faults):
+            return self.reason
+        self._cause = None
+        remedy = "`start` carries on, `release` lets go" if self.grip else "`reset` begins anew"
+        return f"{remedy}; it held because {cause.sentence.partition(': `')[0]}"
+
     def _idle(self, seen: Seen, dt: float) -> Decision:
         if not self._opening:
             return Decision(self.reason)
@@ -187,6 +198,7 @@ class Machine:
 
     def _go(self, state: State, reason: str, seen: Seen | None) -> None:
         before, self.state, self.since, self.reason, self._waited = self.state, state, 0.0, reason, 0.0
+        self._cause = self._cause if state is State.HOLDING else None
         self._rest = seen.tool if seen else None
         self._opening = False
         if state is State.CALIBRATING and seen is not None:

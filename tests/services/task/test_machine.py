@@ -250,6 +250,22 @@ def test_a_covered_marker_makes_it_wait_and_say_why_then_give_up(state: State) -
     assert play.state is State.HOLDING and "covered" in play.machine.reason
 
 
+@pytest.mark.parametrize(
+    ("state", "remedy"), [(State.CARRYING, "`start` carries on"), (State.APPROACHING, "`reset` begins anew")]
+)
+def test_holding_says_what_to_do_once_its_cause_is_gone(state: State, remedy: str) -> None:
+    play = Play().reach(state)
+    play.faults = [Present("stop", "red button")]
+    play.run(0.5)
+    assert play.state is State.HOLDING
+    assert play.machine.reason == "stop is engaged (red button): `tandem resume` releases it"
+    play.faults = []
+    play.run(0.5)
+    assert play.state is State.HOLDING
+    assert play.machine.reason.startswith(remedy)
+    assert play.machine.reason.endswith("it held because stop is engaged (red button)")
+
+
 def test_a_marker_that_comes_back_is_gone_on_to() -> None:
     play = Play().reach(State.APPROACHING)
     play.toy.marker, play.faults = None, [Present("marker_missing")]
