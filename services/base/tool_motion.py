@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 from shared.spatial import Array
 
 PEAK = 3.0
-"""Peak of the wrench's excess over its rise within the response time, while the arm yields: measured, nearly the largest
-of all contacts in six axes (docs/guarantee.md, "A moving environment")."""
+"""Peak of the wrench's excess over its rise within the response time, while the arm yields: measured, nearly the
+largest of all contacts in six axes (docs/guarantee.md, "A moving environment")."""
 
 
 def tool_twist(velocity: ArrayLike, position: ArrayLike) -> Array:
