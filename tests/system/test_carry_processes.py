@@ -11,6 +11,7 @@ import signal
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from shared import topics
@@ -65,6 +66,10 @@ class Watched:
             lambda: self.task is not None and self.task.state == state, PATIENCE, f"the task is {state}"
         )
 
+    def lead(self, start: np.ndarray, forwards: float) -> None:
+        """Guide the hands to 15 cm above a place (3,) [m] and that far [m] forwards of it."""
+        self.tell("hand", *(f"{number:.3f}" for number in start + np.array((forwards, 0.0, 0.15))))
+
     def tell(self, *arguments: str) -> None:
         done = tandem(*arguments, "--connect", self.endpoint)
         assert done.returncode == 0, done.stderr
@@ -90,11 +95,11 @@ def stack(tmp_path: Path) -> Iterator[Watched]:
 def test_it_is_guided_by_hand_and_a_killed_task_goes_on_carrying(stack: Watched, tmp_path: Path) -> None:
     stack.tell("task", "start")
     stack.reaches("carrying")
-    far = stack.world.panel.position + (0.57, 0.0, 0.0)
-    stack.tell("hand", *(f"{number:.3f}" for number in far + (0.0, 0.0, 0.15)))
+    far = stack.world.panel.position + np.array((0.57, 0.0, 0.0))
+    stack.lead(far, 0.0)
     eventually(lambda: stack.says("carrying; to be set down"), PATIENCE, "the panel is lifted")
 
-    stack.tell("hand", *(f"{number:.3f}" for number in far + (0.4, 0.0, 0.15)))
+    stack.lead(far, 0.4)
     eventually(lambda: stack.base.position[0] > 0.25, PATIENCE, "the base follows the hand")
 
     os.kill(pids(stack.endpoint)["task"], signal.SIGKILL)
@@ -103,7 +108,7 @@ def test_it_is_guided_by_hand_and_a_killed_task_goes_on_carrying(stack: Watched,
     arguments = ["start", "task", "--connect", stack.endpoint]
     with Process("services.cli", arguments, tmp_path / "task", {"XDG_STATE_HOME": str(tmp_path)}):
         eventually(lambda: stack.says("carrying; to be set down"), PATIENCE, "the task carries on")
-        stack.tell("hand", *(f"{number:.3f}" for number in far + (0.1, 0.0, 0.15)))
+        stack.lead(far, 0.1)
         eventually(lambda: stack.base.position[0] < 0.15, PATIENCE, "the base follows the hand back")
         assert stack.holds
 
