@@ -56,6 +56,7 @@ class Gate:
         expired: number of motions that silence broke off. Commands that come more slowly than their ``ttl`` end are
             one motion.
         late: number of commands that arrived past their ``ttl``.
+        held: number of times that it broke off a motion for want of a fresh and valid command, however shortly.
     """
 
     def __init__(self, limits: GateLimits) -> None:
@@ -69,7 +70,9 @@ class Gate:
         self.clamped = 0
         self.expired = 0
         self.late = 0
+        self.held = 0
         self._broken_off = False
+        self._ran_out = False
 
     def command(self, linear: Array, angular: Array, ttl: float, age: float, valid: bool = True) -> None:
         """Take over the newest command; call it once per command.
@@ -82,7 +85,7 @@ class Gate:
             valid: false if its publisher marks it as not to be trusted; then it means stop.
         """
         wanted = np.concatenate((linear, angular))
-        self._broken_off = False
+        self._broken_off = self._ran_out = False
         if not (valid and np.isfinite(wanted).all() and math.isfinite(ttl) and math.isfinite(age)):
             self._want(np.zeros(6))
             self._left = 0.0
@@ -117,11 +120,15 @@ class Gate:
             raise ValueError(f"dt is {dt}, wanted a finite duration in seconds")
         if self._stopped or self._left <= _INSTANT:
             self._broken_off = not self._stopped and (self._moving or self._broken_off)
+            if not self._stopped and self._executed.any():
+                self._run_out()
             self._want(np.zeros(6))
             self._executed = np.zeros(6)
         elif self._moving:
             # Of the last interval only the part that the ttl leaves: no command travels further than speed times ttl.
             left = self._left / dt if dt > self._left else 1.0
+            if dt - self._left > _INSTANT:
+                self._run_out()
             # What is executed in full stays so: a process steps several times per command.
             if self._share < 1.0 or left < 1.0:
                 self._share = min(self._reachable(dt), left)
@@ -133,6 +140,11 @@ class Gate:
             self.expired += 1
             self._broken_off = False
         return self._executed.copy()
+
+    def _run_out(self) -> None:
+        """Count a motion that is broken off, once, although its last interval may be cut before it ends."""
+        self.held += not self._ran_out
+        self._ran_out = True
 
     def _reachable(self, dt: float) -> float:
         """Share [1] of the wanted twist that can be reached now: what is executed along it, plus the acceleration."""

@@ -110,6 +110,9 @@ class RobotStatus(Record):
     max_linear: float = of(Number("m/s", minimum=0.0))
     max_angular: float = of(Number("rad/s", minimum=0.0))
     max_base: np.ndarray = of(Vector("m/s, m/s, rad/s"))
+    held: int = of(
+        Integer(minimum=0, doc="motions of the tool broken off for want of a fresh command"), default=0
+    )
 
 
 @dataclass(frozen=True, eq=False)

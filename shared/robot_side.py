@@ -18,7 +18,8 @@ M = TypeVar("M", bound=Record)
 
 HOLDING_AFTER = 0.1
 """Time [s] without a fresh command after which the robot says that it holds: commands at 30 Hz with a ``ttl`` of 20 ms
-would else change its mode sixty times a second."""
+would else change its mode sixty times a second. Motions broken off more shortly are counted, and told so much later
+at most."""
 _INSTANT = 1e-9
 """Less time [s] than this is none."""
 
@@ -76,6 +77,7 @@ class RobotSide:
         self._live = 0.0
         self._refusals: list[str] = []
         self._told = ""
+        self._told_held = 0
         self._until_report = 0.0
 
     def take(self, inputs: Inputs, behind: float = 0.0) -> None:
@@ -122,7 +124,7 @@ class RobotSide:
         return "ready" if self._live > 0.0 else "holding"
 
     def report(self, dt: float, *reasons: str) -> list[Output]:
-        """``state/robot`` if it is due: at its rate, and when the mode has changed.
+        """``state/robot`` if it is due: at its rate, and when the mode has changed or a motion was broken off.
 
         Args:
             dt: time [s] since the last call.
@@ -130,7 +132,11 @@ class RobotSide:
         """
         self._until_report -= dt
         mode = self.mode
-        if mode == self._told and self._until_report > _INSTANT:
+        news = (
+            self.gate.held != self._told_held
+            and self._until_report <= 1.0 / STATE_ROBOT.rate - HOLDING_AFTER + _INSTANT
+        )
+        if mode == self._told and not news and self._until_report > _INSTANT:
             return []
         counts = (
             (self.gate.clamped, "commands clamped"),
@@ -158,7 +164,7 @@ class RobotSide:
         return [self._status(self.mode, reason)]
 
     def _status(self, mode: str, reason: str) -> Output:
-        self._told = mode
+        self._told, self._told_held = mode, self.gate.held
         # Late by less than a period it keeps its rate, by more it does not catch up.
         period = 1.0 / STATE_ROBOT.rate
         self._until_report = (
@@ -173,5 +179,6 @@ class RobotSide:
             max_linear=limits.max_linear,
             max_angular=limits.max_angular,
             max_base=self.base_gate.limits.largest,
+            held=self.gate.held,
         )
         return Output(STATE_ROBOT, status)

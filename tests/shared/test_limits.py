@@ -207,6 +207,43 @@ def test_commands_slower_than_their_ttl_are_one_motion() -> None:
     assert gate.expired == 0
 
 
+@pytest.mark.parametrize("ttl", [10 * DT, 9.5 * DT], ids=["between two steps", "within a step"])
+def test_a_motion_that_is_broken_off_however_shortly_is_counted_once(ttl: float) -> None:
+    gate = gate_with((0.1, 0.0, 0.0), ttl=ttl)
+    for _ in range(9):
+        gate.advance(DT)
+    assert gate.held == 0
+    for _ in range(2):
+        gate.advance(DT)
+    assert (gate.held, gate.expired) == (1, 0)
+    for _ in range(200):
+        gate.advance(DT)
+    assert gate.held == 1
+
+
+def test_commands_in_time_and_a_stop_are_no_holding() -> None:
+    gate = gate_with((0.1, 0.0, 0.0), ttl=10 * DT)
+    for speed in (0.1, 0.05, 0.0, 0.1, 0.0):
+        gate.command(np.array((speed, 0.0, 0.0)), np.zeros(3), 10 * DT, age=0.0)
+        for _ in range(9 if speed else 50):
+            gate.advance(DT)
+    gate.command(np.array((0.1, 0.0, 0.0)), np.zeros(3), 10 * DT, age=0.0)
+    gate.advance(DT)
+    gate.stop(True, "hand on the button")
+    for _ in range(50):
+        gate.advance(DT)
+    assert gate.held == 0
+
+
+@pytest.mark.parametrize(("age", "valid"), [(1.0, True), (0.0, False)], ids=["late", "invalid"])
+def test_a_command_that_must_not_be_executed_breaks_a_motion_off(age: float, valid: bool) -> None:
+    gate = gate_with((0.1, 0.0, 0.0))
+    gate.advance(DT)
+    gate.command(np.array((0.1, 0.0, 0.0)), np.zeros(3), 0.1, age, valid)
+    gate.advance(DT)
+    assert gate.held == 1
+
+
 def test_a_stop_is_latched_until_it_is_released() -> None:
     gate = gate_with((0.1, 0.0, 0.0))
     gate.advance(DT)
