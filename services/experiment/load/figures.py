@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.lib.stride_tricks import sliding_window_view
 
+from services.experiment.brakes import SETTLING
 from services.experiment.load.measures import Measures
 from services.experiment.load.protocol import RUNS
 from services.experiment.recording import Recording
@@ -52,7 +53,7 @@ plt.rcParams.update(
 
 
 def draw_run(run: Run, recording: Recording, found: Measures) -> Figure:
-    """Load -force z [N] with its limit, and tool z [m], of one run."""
+    """Load -force z [N] with its limit, and tool z [m], of one run; grey is what a brake upset on the way down."""
     figure, (load, height) = _panels()
     colour = COLOURS.get(run.name, "#0072B2")
     time, force = _load(recording)
@@ -60,6 +61,8 @@ def draw_run(run: Run, recording: Recording, found: Measures) -> Figure:
     load.plot(*_mean(time, force), color=colour, linewidth=1.6)
     height.plot(*_height(recording), color=colour, linewidth=1.6)
     height.axhline(found.hold_height, color=FAINT, linewidth=0.8, linestyle=":")
+    for brake in found.brakes:
+        load.axvspan(brake.start, brake.end + SETTLING, color=FAINT, alpha=0.25, linewidth=0)
     _events((load, height), recording, found)
     load.set_title(run.title, loc="left", fontsize=10, fontweight="bold")
     _finish((load, height), [recording])

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from services.experiment.brakes import Brake, brakes, undisturbed, unhealthy
 from services.experiment.recording import Recording
 from shared import topics
 
@@ -33,7 +34,11 @@ class Measures:
     lowering_time: float  # from the heavier bag to the ground
     drop: float  # how far the tool went down for it
     peak_speed: float  # largest downward speed on the way [m/s]
-    load_swing: float  # half the range that holds the load for 80 % of the way down
+    load_swing: (
+        float  # half the range that holds the load on the way down, but for 20 % of it and what brakes upset
+    )
+    judged_way: float  # share of the way that no brake upset
+    brakes: tuple[Brake, ...]  # on the way down
     reversals: int  # turn-rounds on the way that are larger than REVERSAL
     bag_height: float  # mean height of the bag over the last seconds before it is taken off
     lift: float  # how far the bag was lifted off the ground again, at most
@@ -61,7 +66,8 @@ def measure(recording: Recording) -> Measures:
     bag_time, bag_height = recording.time(world), recording.series(world, "bag.height")
     grounded = (bag_time > heavy) & (bag_time < unload) & (bag_height <= GROUND)
     landing = float(bag_time[grounded][0]) if grounded.any() else float("nan")
-    way = _within(time, heavy, landing if grounded.any() else unload)
+    lowered = landing if grounded.any() else unload
+    way = _within(time, heavy, lowered)
     landed = (
         _within(bag_time, landing + AFTER_LANDING, unload)
         if grounded.any()
@@ -70,7 +76,9 @@ def measure(recording: Recording) -> Measures:
 
     wrench = topics.WRENCH_EXTERNAL.key
     force_time, load = recording.time(wrench), -recording.series(wrench, "force")[:, 2]
-    hanging = _within(force_time, heavy + HANDED_OVER, landing if grounded.any() else unload)
+    braked = tuple(brake for brake in brakes(recording) if brake.end >= heavy and brake.start < lowered)
+    hanging = _within(force_time, heavy + HANDED_OVER, lowered)
+    judged = hanging & undisturbed(force_time, braked)
     ground = _within(force_time, landing + AFTER_LANDING, unload)
     ground_way = _within(time, landing + AFTER_LANDING, unload)
     back = np.linalg.norm(position - rest, axis=1)
@@ -86,9 +94,9 @@ def measure(recording: Recording) -> Measures:
         lowering_time=landing - heavy,
         drop=float(rest[2] - np.min(height[way], initial=rest[2])),
         peak_speed=float(-np.min(_speed(time, height)[way], initial=0.0)),
-        load_swing=float(np.ptp(np.percentile(load[hanging], (10, 90)))) / 2
-        if hanging.any()
-        else float("nan"),
+        load_swing=_swing(load[judged], 0.1 * np.sum(hanging)),
+        judged_way=float(np.sum(judged) / max(1, np.sum(hanging))),
+        brakes=braked,
         reversals=reversals(height[way], REVERSAL),
         bag_height=float(np.mean(bag_height[_within(bag_time, unload - SETTLED, unload)])),
         lift=float(np.max(bag_height[landed])) if landed.any() else float("nan"),
@@ -101,6 +109,13 @@ def measure(recording: Recording) -> Measures:
         unhealthy=_unhealthy(recording),
         max_linear=float(recording.series(topics.STATE_ROBOT.key, "max_linear")[-1]),
     )
+
+
+def _swing(load: np.ndarray, outliers: float) -> float:
+    """Half the range [N] of the load (n,) without so many of its largest and as many of its smallest values."""
+    if len(load) <= 2 * outliers:
+        return float("nan")
+    return float(np.ptp(np.quantile(load, (outliers / len(load), 1.0 - outliers / len(load))))) / 2
 
 
 def reversals(values: np.ndarray, threshold: float) -> int:
@@ -130,9 +145,8 @@ def _longest_gap(recording: Recording) -> float:
 
 
 def _unhealthy(recording: Recording) -> float:
-    key = topics.CONTROL_STATUS.key
-    state = recording.series(key, "state")[recording.time(key) >= 0.0]
-    return float(np.mean(~np.isin(state, ("tracking", "yielding")))) if len(state) else 1.0
+    rested = unhealthy(recording)[recording.time(topics.CONTROL_STATUS.key) >= 0.0]
+    return float(np.mean(rested)) if len(rested) else 1.0
 
 
 def _speed(time: np.ndarray, values: np.ndarray) -> np.ndarray:

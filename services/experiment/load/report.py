@@ -9,9 +9,10 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from services.experiment.brakes import SETTLING
 from services.experiment.film import FILM
 from services.experiment.load import figures
-from services.experiment.load.judge import judge
+from services.experiment.load.judge import LEAST_WAY, judge
 from services.experiment.load.measures import Measures, measure
 from services.experiment.load.protocol import FORCE_LIMIT, HEAVY, HOLD, LIGHT, RUNS, TORQUE_LIMIT, unambiguous
 from services.experiment.page import page
@@ -97,7 +98,11 @@ def _draw(
     ]
     for name, run in runs.items():
         figure = figures.draw_run(run, recordings[name], measured[name])
-        caption = f"{run.title}: every sample (pale) and the mean over 0.3 s."
+        caption = f"{run.title}: every sample (pale) and the mean over 0.3 s." + (
+            " Grey: a brake on the way down, and the time for which it upsets the load."
+            if measured[name].brakes
+            else ""
+        )
         drawn.append((figures.save(figure, target / name)[0], caption))
     return drawn
 
@@ -134,6 +139,9 @@ def _notes(measured: Mapping[str, Measures]) -> list[str]:
         "A weight that hangs free cannot be made lighter by moving: while it hangs, the load exceeds the limit by "
         "definition. What the laws promise is to lower it, and the certified law that the load is back within the "
         "limit once the ground bears the rest.",
+        "A brake stops the tool at once when a sample or a command is late; it has to, and the load swings after it. "
+        f"Whether the load is steady is judged outside of brakes and {SETTLING:g} s after each, on "
+        f"{100 * LEAST_WAY:.0f} % of the way at least; their number and reasons stand beside the figure.",
         "The stiffness law is the paper's baseline at the paper's stiffness; that it sags is the finding, not a fault.",
     ]
 

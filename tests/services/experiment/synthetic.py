@@ -29,6 +29,8 @@ class Defect:
     keeps_pressing: float = 0.0  # [N] over the limit with the bag on the ground
     swings: float = 0.0  # [N] amplitude of the load on the way down
     stall: float = 0.0  # [s] during which no sample came
+    braked_at: float = 0.0  # [s] after which the load swings by 10 N for 0.4 s, as after a brake
+    told_brake: bool = True  # the robot counts it
     force_x: float = 0.0  # [N] sideways while the light bag hangs
 
 
@@ -53,6 +55,7 @@ def recording(run: Run, defect: Defect | None = None, seed: int = 0) -> Recordin
             load = protocol.FORCE_LIMIT[2] + defect.keeps_pressing
         if weight == protocol.HEAVY and not ground:
             load += defect.swings * np.sin(20.0 * now)
+            load += 10.0 * np.sin(30.0 * now) if 0.0 <= now - defect.braked_at < 0.4 else 0.0
         force[k], bag[k], weights[k] = -load, max(hang, 0.0), weight
     return _assemble(run, defect, time, height, force, bag, weights, rng)
 
@@ -107,13 +110,20 @@ def _assemble(
         "control/status": {
             "time": time,
             "state": np.where((time > 12.0) & (time < 12.0 + defect.stall), "braking", "tracking"),
+            "reason": np.where((time > 12.0) & (time < 12.0 + defect.stall), "sensor/ft is silent", ""),
         },
         "sim/world": {
             "time": time,
             "bag.mass": np.where(hanging, weights / GRAVITY, np.nan),
             "bag.height": np.where(hanging, bag, np.nan),
         },
-        "state/robot": {"time": time[::20], "max_linear": np.full(len(time[::20]), MAX_LINEAR)},
+        "state/robot": {
+            "time": time[::10],
+            "max_linear": np.full(len(time[::10]), MAX_LINEAR),
+            "held": ((time[::10] >= defect.braked_at) & (defect.braked_at > 0.0) & defect.told_brake).astype(
+                int
+            ),
+        },
         "state/joints": {
             "time": time,
             "name": np.array([["torso_lift_joint", "arm_right_1_joint"]]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -48,6 +49,39 @@ def test_a_good_run_passes_every_claim(run: Run) -> None:
 )
 def test_a_defect_fails_its_claim(defect: Defect, words: str) -> None:
     assert any(words in text for text in failed(run_named("certified-100"), defect))
+
+
+def steady(defect: Defect) -> tuple[str, bool]:
+    run = run_named("certified-100")
+    claims = judge({run.name: run}, {run.name: measure(recording(run, defect))}, FORCE_LIMIT[2])
+    return next((claim.figure, claim.passed) for claim in claims if "carries it steadily" in claim.text)
+
+
+def test_a_load_that_swings_after_a_brake_is_steady_and_the_brake_is_told() -> None:
+    figure, passed = steady(Defect(braked_at=18.2))
+    assert passed
+    assert re.fullmatch(r"±0\.\d\d N, 1 brake: no fresh command", figure)
+
+
+def test_the_same_swing_without_a_brake_is_none_the_law_is_excused_for() -> None:
+    figure, passed = steady(Defect(braked_at=18.2, told_brake=False))
+    assert not passed
+    assert "brake" not in figure
+
+
+def test_a_load_that_swings_beside_a_brake_fails_all_the_same() -> None:
+    figure, passed = steady(Defect(braked_at=18.2, swings=3.0))
+    assert not passed
+    assert figure.endswith("1 brake: no fresh command")
+
+
+def test_where_brakes_leave_too_little_to_judge_the_claim_fails() -> None:
+    run = run_named("certified-100")
+    found = dataclasses.replace(measure(recording(run)), judged_way=0.1, load_swing=0.1)
+    claims = judge({run.name: run}, {run.name: found}, FORCE_LIMIT[2])
+    assert [(claim.figure, claim.passed) for claim in claims if "steadily" in claim.text] == [
+        ("too little without brakes", False)
+    ]
 
 
 def test_a_baseline_that_holds_the_bag_fails_the_claim_that_it_sags() -> None:
