@@ -20,7 +20,8 @@ from services.controller.law import Law, LawInput, LawOutput
 from services.controller.parameters import ControllerParameters
 from services.controller.qp import CLOSED, UNBOUNDED, Qp, QpFailure, Timer, no_timer
 from services.controller.travel import SENSES
-from services.controller.yielding import RoundedYield, StrictYield, Yielding, YieldInput, scaled_into
+from services.controller.yield_input import YieldInput
+from services.controller.yielding import RoundedYield, StrictYield, Yielding, scaled_into
 from shared.spatial import Array
 
 _GAMMA = 12

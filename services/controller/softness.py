@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from services.controller.yield_input import Vector, YieldInput
 from shared.spatial import Array
 
 FIRST_SHARE = 0.5
@@ -46,44 +47,34 @@ class Softness:
 
     def __init__(self) -> None:
         self.share = FIRST_SHARE
+        self._shown = FIRST_SHARE
         self._now = 0.0
         self._position = np.zeros(6)
         self._commanded: deque[tuple[float, Array]] = deque([(0.0, self._position)])
         self._samples: deque[tuple[float, Array, Array]] = deque()
 
-    def step(
-        self,
-        wrench: Sequence[float],
-        displacement: Array,
-        scale: Sequence[float],
-        largest: float,
-        doubt: float,
-        response_time: float,
-        dt: float,
-    ) -> float:
+    def step(self, state: YieldInput, pressed: Sequence[int], largest: float) -> float:
         """The share now.
 
         Args:
-            wrench: w (6,) [N, Nm] measured.
-            displacement: (6,) [m, rad] that was commanded since the last step.
-            scale: x (6,) [sqrt(N/m), sqrt(Nm/rad)], roots of the declared stiffness.
-            largest: [1] eigenvalue of ``x^-1 K x^-1`` for the stiffest declared contact.
-            doubt: change of the wrench in this scale that tells nothing, see ``doubt``.
-            response_time: D [s].
-            dt: [s] since the last step.
+            state: of this step; the roots of its bound are the scale.
+            pressed: axes that are beyond the box.
+            largest: [1] eigenvalue of ``x^-1 K x^-1`` on these axes for the stiffest declared contact.
         """
+        dt, response_time = state.dt, state.response_time
         self._now += dt
-        self._position = self._position + displacement
+        self._position = self._position + state.displacement
         self._commanded.append((self._now, self._position))
         window = max(_WINDOW * response_time, _FEWEST * dt)
         if not self._samples or self._now - self._samples[-1][0] >= window / _SAMPLES:
             acted = self._acted(self._now - _ACTS_AFTER * response_time)
-            self._samples.append((self._now, np.array(wrench), acted))
-        while self._samples[0][0] < self._now - window:
-            self._samples.popleft()
-        shown = min(1.0, max(_LEAST_SHARE, self._regression(np.array(scale), largest, doubt)))
-        constant = (_RISE if shown > self.share else _FALL) * response_time
-        self.share += (shown - self.share) * (1.0 - math.exp(-dt / constant))
+            self._samples.append((self._now, np.array(state.wrench), acted))
+            while self._samples[0][0] < self._now - window:
+                self._samples.popleft()
+            shown = self._regression(np.array(state.bound.roots), largest, _hidden(state, pressed))
+            self._shown = min(1.0, max(_LEAST_SHARE, shown))
+        constant = (_RISE if self._shown > self.share else _FALL) * response_time
+        self.share += (self._shown - self.share) * (1.0 - math.exp(-dt / constant))
         return self.share
 
     def _acted(self, time: float) -> Array:
@@ -95,7 +86,7 @@ class Softness:
         part = min(1.0, max(0.0, (time - start) / (end - start))) if end > start else 1.0
         return before + part * (after - before)
 
-    def _regression(self, scale: Array, largest: float, doubt: float) -> float:
+    def _regression(self, scale: Array, largest: float, hidden: float) -> float:
         times, wrenches, positions = (np.array(column) for column in zip(*self._samples, strict=True))
         count = len(times)
         if count < _FEWEST:
@@ -106,15 +97,16 @@ class Softness:
         change, motion = wrenches / scale, positions * (largest * scale)
         change, motion = change - change.mean(axis=0), motion - motion.mean(axis=0)
         change, motion = change - np.outer(drift, drift @ change), motion - np.outer(drift, drift @ motion)
-        known = doubt * doubt
+        known = hidden * hidden
         falls, moves = -np.vdot(change, motion) / count, np.vdot(motion, motion) / count
         return float((FIRST_SHARE * known + falls) / (known + moves)) if known + moves > 0.0 else FIRST_SHARE
 
 
-def doubt(error_bound: Sequence[float], room: Sequence[float], scale: Sequence[float]) -> float:
-    """Change of the wrench [1] in ``scale`` that errors (n,) and a fraction of the room (n,) above the box hide."""
-    return _ERRORS * _norm(error_bound, scale) + _ROOM * _norm(room, scale)
+def _hidden(state: YieldInput, pressed: Sequence[int]) -> float:
+    """Change of the wrench [1] in the scale that errors and a share of the room above the box hide on some axes."""
+    scale, caps = state.bound.roots, state.caps
+    return _ERRORS * _norm(caps.errors, scale, pressed) + _ROOM * _norm(caps.room, scale, pressed)
 
 
-def _norm(values: Sequence[float], scale: Sequence[float]) -> float:
-    return math.hypot(*(value / unit for value, unit in zip(values, scale, strict=True)))
+def _norm(values: Vector, scale: Vector, axes: Sequence[int]) -> float:
+    return math.hypot(*(values[i] / scale[i] for i in axes))

@@ -10,12 +10,10 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-from services.controller.caps import Caps
 from services.controller.contact import StiffnessBound
-from services.controller.softness import Softness, doubt
-from shared.spatial import Array
+from services.controller.softness import Softness
+from services.controller.yield_input import Vector, YieldInput
 
 _STOPPED = 1e-7
 """An integral slower than this [m/s, rad/s] has ended."""
@@ -24,7 +22,6 @@ _INTEGRAL_TIME = 4.0
 _FORGET_TIME = 2.0
 """Time constant, in response times D, with which the integral of an axis that is not pressed decays."""
 
-Vector = Sequence[float]
 _NONE = (0.0,) * 6
 _FOLLOWED = 1e-3
 """An integral slower than this [m/s, rad/s] follows nobody any more: the rows may have it back."""
@@ -80,29 +77,6 @@ class _Integral:
     @property
     def at_rest(self) -> bool:
         return not any(self.value)
-
-
-@dataclass(slots=True)
-class YieldInput:
-    """What a form gives way to.
-
-    Attributes:
-        wrench: w (6,) [N, Nm].
-        caps: where the form begins, and the wall that no measured wrench passes at rest.
-        bound: Kbar.
-        speed: (6,) [m/s, rad/s] that the integral saturates at.
-        displacement: (6,) [m, rad] commanded since the last step.
-        response_time: D [s].
-        dt: [s] since the last step.
-    """
-
-    wrench: Vector
-    caps: Caps
-    bound: StiffnessBound
-    speed: Vector
-    displacement: Array
-    response_time: float
-    dt: float
 
 
 class Yielding(ABC):
@@ -195,17 +169,9 @@ class RoundedYield(Yielding):
 
     def _share(self, state: YieldInput) -> float:
         """Share of the declared stiffness that the contact shows on the axes which are beyond the box."""
-        caps, bound = state.caps, state.bound
         pressed = [i for i in range(6) if self.distance[i] > 0.0] or range(6)
-        hidden = doubt(
-            [caps.errors[i] for i in pressed],
-            [caps.room[i] for i in pressed],
-            [bound.roots[i] for i in pressed],
-        )
-        largest = largest_stiffness(bound, pressed, bound.roots)
-        return self._softness.step(
-            state.wrench, state.displacement, bound.roots, largest, hidden, state.response_time, state.dt
-        )
+        bound = state.bound
+        return self._softness.step(state, pressed, largest_stiffness(bound, pressed, bound.roots))
 
 
 def down_the_gradient(

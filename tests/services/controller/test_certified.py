@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 from services.controller.certificate import certificates
 from services.controller.laws import CertifiedLaw, LawInput, make_law
 from services.controller.qp import QpFailure
-from services.controller.yielding import RoundedYield, YieldInput
+from services.controller.yield_input import YieldInput
+from services.controller.yielding import RoundedYield
 from shared.spatial import Array
 from tests.services.controller import closed_form
 from tests.services.controller.contacts import ERROR, LIMIT, agile, state, unit

@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.controller.softness import FIRST_SHARE, Softness, doubt
+from services.controller.softness import FIRST_SHARE, Softness
+from services.controller.yield_input import YieldInput
 
 D, DT = 0.05, 0.005
 SCALE = np.sqrt((800.0, 800.0, 800.0, 90.0, 90.0, 90.0))
 LARGEST = 2.0
+AXES = range(6)
+
+
+def state(wrench: Any, displacement: np.ndarray, noise: float = 0.0, dt: float = DT) -> YieldInput:
+    """A step with errors of ``noise`` in the scale and no room: softness reads nothing else of bound and caps."""
+    bound = SimpleNamespace(roots=SCALE.tolist())
+    caps = SimpleNamespace(errors=(noise * SCALE).tolist(), room=[0.0] * 6)
+    return YieldInput(list(wrench), cast(Any, caps), cast(Any, bound), [1.0] * 6, displacement, D, dt)
 
 
 def learnt(share: float, drift: np.ndarray, noise: float = 0.0, steps: int = 200) -> float:
@@ -20,11 +32,10 @@ def learnt(share: float, drift: np.ndarray, noise: float = 0.0, steps: int = 200
     direction = np.array((1.0, 0.0, 0.0, 0.0, 0.8, 0.0)) / SCALE
     matrix = share * LARGEST * np.diag(SCALE**2)
     softness, moved, before = Softness(), [np.zeros(6)], np.zeros(6)
-    hidden = doubt(noise * SCALE, np.zeros(6), SCALE)
     for step in range(steps):
         acted = moved[max(0, len(moved) - 1 - round(0.75 * D / DT))]
         wrench = step * DT * drift - matrix @ acted + noise * SCALE * rng.uniform(-1.0, 1.0, 6)
-        softness.step(wrench.tolist(), moved[-1] - before, SCALE.tolist(), LARGEST, hidden, D, DT)
+        softness.step(state(wrench, moved[-1] - before, noise), AXES, LARGEST)
         before = moved[-1]
         moved.append(np.sin(step * DT / D) * 0.1 * direction)
     return softness.share
@@ -44,7 +55,7 @@ def test_share_stays_within_its_bounds(share: float, expected: float) -> None:
 
 def test_motion_that_errors_hide_teaches_nothing() -> None:
     assert learnt(0.1, np.zeros(6), noise=10.0) == pytest.approx(FIRST_SHARE, abs=0.05)
-    assert Softness().step([5.0] * 6, np.zeros(6), SCALE.tolist(), LARGEST, 1e-3, D, DT) == FIRST_SHARE
+    assert Softness().step(state([5.0] * 6, np.zeros(6), 1e-3), AXES, LARGEST) == FIRST_SHARE
 
 
 def test_a_stiffer_contact_is_believed_sooner_than_a_softer_one() -> None:
@@ -61,5 +72,18 @@ def test_a_stiffer_contact_is_believed_sooner_than_a_softer_one() -> None:
 def test_any_history_gives_a_share_within_bounds(history: list[tuple[float, float, float]]) -> None:
     softness = Softness()
     for wrench, moved, dt in history:
-        share = softness.step([wrench] * 6, np.full(6, moved * dt), SCALE.tolist(), LARGEST, 0.1, D, dt)
+        share = softness.step(state([wrench] * 6, np.full(6, moved * dt), 0.1, dt), AXES, LARGEST)
         assert 0.1 <= share <= 1.0
+
+
+def test_the_regression_runs_when_a_sample_is_kept_and_not_in_between(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    softness, runs = Softness(), []
+    regression = softness._regression
+    monkeypatch.setattr(
+        softness, "_regression", lambda *given: runs.append(softness._now) or regression(*given)
+    )
+    for step in range(1000):
+        softness.step(state(np.zeros(6), np.full(6, 1e-3 * np.sin(step)), dt=0.0002), AXES, LARGEST)
+    assert len(runs) == pytest.approx(0.2 / (2.5 * D / 40), rel=0.15)

@@ -9,11 +9,11 @@ import pytest
 
 from services.controller.caps import Caps
 from services.controller.contact import ContactZone, StiffnessBound
+from services.controller.yield_input import YieldInput
 from services.controller.yielding import (
     RoundedYield,
     StrictYield,
     Yielding,
-    YieldInput,
     largest_stiffness,
     scaled_into,
 )
