@@ -7,12 +7,17 @@ from functools import cache
 import pytest
 
 from benchmarks.experiment_stack import play_run
+from services.experiment.brakes import NO_COMMAND
 from services.experiment.claim import Claim
 from services.experiment.load.judge import judge
 from services.experiment.load.measures import Measures, measure
 from services.experiment.load.play import LOAD
 from services.experiment.load.protocol import FORCE_LIMIT, HEAVY, LIGHT, RUNS, run_named, unambiguous
 from services.experiment.run import Run
+from shared.bus_local import LocalBus
+from shared.codec import decode
+from shared.messages import TwistCommand
+from shared.topics import COMMAND_EE_TWIST
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 
@@ -52,6 +57,28 @@ def test_the_weights_are_unambiguous_on_both_sides_of_the_limit() -> None:
 def test_a_higher_rate_and_an_earlier_start_lower_sooner() -> None:
     times = [measured(name).lowering_time for name in ("rounded-100", "certified-100", "certified-30")]
     assert times == sorted(times)
+
+
+def test_commands_that_are_lost_on_the_way_down_make_a_brake_and_no_swing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    publish, fast = LocalBus.publish, 0
+
+    def losing(bus: LocalBus, key: str, payload: bytes) -> None:
+        nonlocal fast
+        if key == COMMAND_EE_TWIST.key:
+            fast += decode(TwistCommand, payload)[1].linear[2] < -0.24
+            if 60 <= fast < 65:
+                return
+        publish(bus, key, payload)
+
+    monkeypatch.setattr(LocalBus, "publish", losing)
+    run = run_named("rounded-100")
+    found = measure(play_run(LOAD, run))
+    assert [brake.reason for brake in found.brakes] == [NO_COMMAND]
+    claims = judge({run.name: run}, {run.name: found}, FORCE_LIMIT[2])
+    assert [f"{claim.text}: {claim.figure} ({claim.limit})" for claim in claims if not claim.passed] == []
+    assert found.judged_way < 0.7
 
 
 def test_the_same_run_twice_gives_the_same_figures() -> None:

@@ -65,6 +65,17 @@ def test_a_failed_claim_fails_the_command_and_is_marked(tmp_path: Path) -> None:
     assert re.search(r"1 of \d+ claims fail", page)
 
 
+def test_a_brake_is_told_in_the_table_and_grey_in_the_figure(tmp_path: Path) -> None:
+    put(tmp_path, "certified-100", Defect(braked_at=18.2))
+    assert main(["report", str(tmp_path)]) == 0
+    page = (tmp_path / "index.html").read_text()
+    assert "1 brake: no fresh command" in page
+    assert "Grey: a brake" in page
+    summary = json.loads((tmp_path / "claims.json").read_text())
+    (brake,) = summary["measures"]["certified-100"]["brakes"]
+    assert brake["reason"] == "no fresh command"
+
+
 def test_a_run_that_did_not_finish_fails_the_command_but_not_the_others(tmp_path: Path) -> None:
     put(tmp_path, "paper-30")
     put(tmp_path, "certified-30")
