@@ -16,6 +16,7 @@ MOVING_FACTOR = 3.0
 """Peak of the excess in a moving environment over what Kbar lets the wrench grow by until the tool can have followed:
 nearly the largest of the benchmark's steady pulls (docs/guarantee.md, "A moving environment"). Measured, not proven."""
 _ROUNDS = 20
+_PARALLEL = np.eye(3)
 
 
 @dataclass(frozen=True)
@@ -55,10 +56,8 @@ def certificates(
     caps.update(limit, error_bound + inertia)
     if caps.refusal is not None:
         raise ValueError(caps.refusal)
-    rounded = parameters.yield_start < 1.0
-    response = parameters.horizon + (0.0 if rounded else parameters.period)
     # After D the tool answers, and speeds up to the environment's speed.
-    lasts = response + environment_speed / (2.0 * min(parameters.max_acceleration[:3]))
+    lasts = response(parameters) + environment_speed / (2.0 * min(parameters.max_acceleration[:3]))
     rest = _bound(parameters, limit, 0.0)
     found = []
     for axis in range(6):
@@ -69,11 +68,23 @@ def certificates(
     return found
 
 
-def _bound(parameters: ControllerParameters, limit: Array, turn: float) -> StiffnessBound:
+def response(parameters: ControllerParameters) -> float:
+    """D [s], from a sample until the answer to it has acted; the strict form yields a period later."""
+    return parameters.horizon + (0.0 if parameters.yield_start < 1.0 else parameters.period)
+
+
+def stiffness(parameters: ControllerParameters, limit: Array, rotation: Array) -> Array:
+    """Kbar (6, 6) in base axes for a tool with the rotation (3, 3) in base."""
+    return _bound(parameters, limit, 0.0, rotation).matrix
+
+
+def _bound(
+    parameters: ControllerParameters, limit: Array, turn: float, rotation: Array = _PARALLEL
+) -> StiffnessBound:
     bound = StiffnessBound(parameters.contact_zones)
     # A bound may be kept until it is wider than needed by twice the quantum; this is the widest.
     widest = turn + parameters.max_angular * parameters.period + TURN_QUANTUM
-    bound.update(np.eye(3), widest, limit[:3].tolist())
+    bound.update(rotation, widest, limit[:3].tolist())
     return bound
 
 

@@ -8,12 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from services.controller.certificate import MOVING_FACTOR, Certificate, certificates
+from services.controller.certificate import MOVING_FACTOR, Certificate, certificates, response, stiffness
 from services.controller.parameters import ControllerParameters
 from shared.config import Misconfigured, OneLineParser, complain, service_parameters, service_parser
-from shared.spatial import Array
+from shared.spatial import Array, rotation_matrix
 
 _UNITS = (("mm/s", "N"), ("mrad/s", "Nm"))
+_PARALLEL = "0,0,0,1"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -27,11 +28,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         error_bound = np.concatenate(
             (_three("--force-error", options.force_error), _three("--torque-error", options.torque_error))
         )
+        rotations = [_rotation(text) for text in options.orientation or [_PARALLEL]]
         found = certificates(parameters, limit, error_bound, options.environment_speed)
     except (Misconfigured, ValueError) as problem:
         return complain("certify", problem)
     if options.json:
-        print(json.dumps(_as_map(parameters, limit, error_bound, found, options.environment_speed), indent=2))
+        answer = _as_map(parameters, limit, error_bound, found, options.environment_speed)
+        print(json.dumps(answer | {"moving": _moving(parameters, limit, rotations)}, indent=2))
     else:
         print(_as_text(parameters, limit, error_bound, found, options.environment_speed))
     return 0
@@ -49,6 +52,12 @@ def _parser() -> OneLineParser:
     parser.add_argument("--force-error", default="0.6", help="error bound [N] (default %(default)s)")
     parser.add_argument("--torque-error", default="0.1", help="error bound [Nm] (default %(default)s)")
     parser.add_argument("--environment-speed", type=float, default=0.1, help="[m/s] (default %(default)s)")
+    parser.add_argument(
+        "--orientation",
+        action="append",
+        metavar="X,Y,Z,W",
+        help="with --json: of the tool in base, to print the stiffness bound for; may be repeated (default parallel)",
+    )
     parser.add_argument("--json", action="store_true", help="print JSON")
     return parser
 
@@ -63,6 +72,25 @@ def _three(option: str, text: str) -> Array:
             f"{option} {text!r}: wanted one number or three, separated by commas, not negative"
         )
     return np.array(numbers * (3 // len(numbers)))
+
+
+def _rotation(text: str) -> Array:
+    try:
+        return rotation_matrix([float(part) for part in text.split(",")])
+    except ValueError:
+        raise Misconfigured(
+            f"--orientation {text!r}: wanted a unit quaternion x,y,z,w, separated by commas"
+        ) from None
+
+
+def _moving(parameters: ControllerParameters, limit: Array, rotations: Sequence[Array]) -> dict[str, object]:
+    """What the excess in a moving environment follows from, for programs."""
+    return {
+        "factor": MOVING_FACTOR,
+        "response": response(parameters),
+        "acceleration": list(parameters.max_acceleration),
+        "stiffness": [stiffness(parameters, limit, rotation).tolist() for rotation in rotations],
+    }
 
 
 def _as_map(
