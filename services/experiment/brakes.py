@@ -54,14 +54,14 @@ def undisturbed(time: np.ndarray, found: Sequence[Brake]) -> np.ndarray:
     return quiet
 
 
-def unhealthy(recording: Recording) -> np.ndarray:
+def resting(recording: Recording) -> np.ndarray:
     """Which messages (n,) of the controller's status say that it braked or waited."""
     return ~np.isin(recording.series(topics.CONTROL_STATUS.key, "state"), _WORKING)
 
 
 def _controller(recording: Recording) -> list[tuple[float, str]]:
     key = topics.CONTROL_STATUS.key
-    rests = unhealthy(recording)
+    rests = resting(recording)
     reasons = recording.series(key, "reason")[rests]
     return [
         (float(time), str(reason).split(": ")[0])

@@ -1,11 +1,18 @@
-"""What a report says in short; each experiment writes its own."""
+"""What a report says in short, and what all reports share; each experiment writes its own."""
 
 from __future__ import annotations
 
+import platform
+import sys
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 from services.experiment.claim import Claim
+from services.experiment.recording import Recording
+
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -23,3 +30,33 @@ class Report:
     claims: list[Claim]
     problems: list[str]
     unfinished: list[str]
+
+
+def measure_all(
+    recordings: Mapping[str, Recording], measure: Callable[[Recording], Found]
+) -> tuple[dict[str, Found], list[str]]:
+    """The figures of the runs that were played to the end, and a line for each other one.
+
+    Raises:
+        ValueError: no run was.
+    """
+    measured, unfinished = {}, []
+    for name, recording in recordings.items():
+        try:
+            measured[name] = measure(recording)
+        except (KeyError, ValueError) as problem:
+            unfinished.append(f"{name} is not judged: {problem.args[0]}")
+    if not measured:
+        raise ValueError("; ".join(unfinished))
+    return measured, unfinished
+
+
+def origin(recordings: Mapping[str, Recording]) -> dict[str, str]:
+    """Where and when recordings were made, for the page."""
+    first = next(iter(recordings.values()))
+    version = ".".join(str(part) for part in sys.version_info[:3])
+    return {
+        "when": str(first.meta.get("date", "")),
+        "machine": f"{platform.machine()}, {platform.system()}, Python {version}",
+        "bus": str(first.meta.get("bus", "")),
+    }

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.experiment.brakes import Brake, brakes, undisturbed, unhealthy
+from services.experiment.brakes import Brake, brakes, undisturbed
+from services.experiment.disturbance import longest_gap, unhealthy
 from services.experiment.recording import Recording
 from shared import topics
 
@@ -105,8 +106,8 @@ def measure(recording: Recording) -> Measures:
         return_error=float(np.max(back[time >= time[-1] - 0.5])),
         return_time=float((away[-1] if away.size else unload) - unload),
         error_bound=float(np.max(recording.series(wrench, "error_bound")[force_time >= 0.0, 2])),
-        longest_gap=_longest_gap(recording),
-        unhealthy=_unhealthy(recording),
+        longest_gap=longest_gap(recording),
+        unhealthy=unhealthy(recording),
         max_linear=float(recording.series(topics.STATE_ROBOT.key, "max_linear")[-1]),
     )
 
@@ -137,16 +138,6 @@ def _excess(recording: Recording, until: float) -> float:
     values = np.hstack([recording.series(wrench, "force"), recording.series(wrench, "torque")])
     limits = np.array([*recording.meta["force_limit"], *recording.meta["torque_limit"]])
     return float(np.max(np.abs(values[_within(time, 0.0, until)]) / limits))
-
-
-def _longest_gap(recording: Recording) -> float:
-    time = recording.time(topics.SENSOR_FT.key)
-    return float(np.max(np.diff(time[time >= 0.0]), initial=0.0))
-
-
-def _unhealthy(recording: Recording) -> float:
-    rested = unhealthy(recording)[recording.time(topics.CONTROL_STATUS.key) >= 0.0]
-    return float(np.mean(rested)) if len(rested) else 1.0
 
 
 def _speed(time: np.ndarray, values: np.ndarray) -> np.ndarray:

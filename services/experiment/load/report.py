@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import platform
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from services.experiment.brakes import SETTLING
+from services.experiment.disturbance import disturbances
 from services.experiment.film import FILM
 from services.experiment.load import figures
 from services.experiment.load.judge import LEAST_WAY, judge
@@ -17,11 +16,8 @@ from services.experiment.load.measures import Measures, measure
 from services.experiment.load.protocol import FORCE_LIMIT, HEAVY, HOLD, LIGHT, RUNS, TORQUE_LIMIT, unambiguous
 from services.experiment.page import page
 from services.experiment.recording import RECORDING, Recording
-from services.experiment.report import Report
+from services.experiment.report import Report, measure_all, origin
 from services.experiment.run import Run
-
-GAP = 0.15  # [s] without a sample; the services latch a sensor failure after 0.1 s
-HELD = 0.02  # share of the time
 
 
 def write(folder: Path, commands: Sequence[str] = ()) -> Report:
@@ -39,11 +35,11 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
     if not runs:
         raise FileNotFoundError(f"{folder}: no recording of any run ({', '.join(run.name for run in RUNS)})")
     recordings = {name: Recording.load(folder / name / RECORDING) for name in runs}
-    measured, unfinished = _measure(recordings)
+    measured, unfinished = measure_all(recordings, measure)
     runs = {name: run for name, run in runs.items() if name in measured}
     recordings = {name: recordings[name] for name in measured}
     claims = judge(runs, measured, FORCE_LIMIT[2])
-    disturbances = [*unfinished, *_disturbances(measured)]
+    problems = [*unfinished, *disturbances(measured)]
 
     drawn = _draw(folder, runs, recordings, measured)
     files = {name: recording.write_csv(folder / name / "csv") for name, recording in recordings.items()}
@@ -63,7 +59,7 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
             _facts(recordings),
             files,
             folder,
-            [*disturbances, *_notes(measured)],
+            [*problems, *_notes(measured)],
             commands,
             {name: recording.meta["settings"] for name, recording in recordings.items()},
         ),
@@ -72,10 +68,10 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
     summary = {
         "claims": [dataclasses.asdict(claim) for claim in claims],
         "measures": {name: dataclasses.asdict(found) for name, found in measured.items()},
-        "problems": disturbances,
+        "problems": problems,
     }
     (folder / "claims.json").write_text(json.dumps(summary, indent=2), encoding="utf-8")
-    return Report(index, claims, disturbances, unfinished)
+    return Report(index, claims, problems, unfinished)
 
 
 def _draw(
@@ -107,29 +103,6 @@ def _draw(
     return drawn
 
 
-def _measure(recordings: Mapping[str, Recording]) -> tuple[dict[str, Measures], list[str]]:
-    """The runs that were played to the end, and a line for each other one."""
-    measured, unfinished = {}, []
-    for name, recording in recordings.items():
-        try:
-            measured[name] = measure(recording)
-        except (KeyError, ValueError) as problem:
-            unfinished.append(f"{name} is not judged: {problem.args[0]}")
-    if not measured:
-        raise ValueError("; ".join(unfinished))
-    return measured, unfinished
-
-
-def _disturbances(measured: Mapping[str, Measures]) -> list[str]:
-    """Runs in which the machine did not keep time, so that what failed there may be the machine's doing."""
-    return [
-        f"{name}: the force sensor was silent for up to {1e3 * found.longest_gap:.0f} ms and the controller held still "
-        f"{100 * found.unhealthy:.0f} % of the time: the machine is overloaded or a process was disturbed"
-        for name, found in measured.items()
-        if found.longest_gap > GAP or found.unhealthy > HELD
-    ]
-
-
 def _notes(measured: Mapping[str, Measures]) -> list[str]:
     bound = max(found.error_bound for found in measured.values())
     return [
@@ -147,13 +120,9 @@ def _notes(measured: Mapping[str, Measures]) -> list[str]:
 
 
 def _facts(recordings: Mapping[str, Recording]) -> dict[str, str]:
-    first = next(iter(recordings.values()))
-    version = ".".join(str(part) for part in sys.version_info[:3])
     return {
-        "when": str(first.meta.get("date", "")),
-        "machine": f"{platform.machine()}, {platform.system()}, Python {version}",
+        **origin(recordings),
         "hold pose": f"[{', '.join(f'{value:g}' for value in HOLD)}] (m, rad)",
         "limits": f"{FORCE_LIMIT[0]:g} N, {TORQUE_LIMIT[0]:g} Nm on every axis",
         "bags": f"{LIGHT:g} N, then {HEAVY:g} N",
-        "bus": str(first.meta.get("bus", "")),
     }
