@@ -7,6 +7,8 @@ weight, and 0.5, 3, 3 Nm by default.
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +29,22 @@ LAWS = ("certified", "paper", "stiffness")
 BASES = {"omni": "omnidirectional base", "differential": "differential base", "none": "arm only"}
 FILMED = "certified-omni"
 
+
+@dataclass(frozen=True)
+class Guidance:
+    """A movement by which the person guides the robot.
+
+    Attributes:
+        name: of it.
+        way: "along" the panel, "across" it (both horizontal), or "roll" about its long axis.
+        amount: how far [m, rad]; forwards (away from the robot), to the left, or right-handed.
+    """
+
+    name: str
+    way: str
+    amount: float
+
+
 SCRIPTS = {
     base: (
         Path(__file__).with_name("arm_only.toml").read_text(encoding="utf-8") if base == "none" else "carry"
@@ -34,6 +52,26 @@ SCRIPTS = {
     for base in BASES
 }
 """What the person does; the arm alone cannot follow somebody who walks."""
+
+_TURNS = (
+    Guidance("twist", "roll", math.radians(20.0)),
+    Guidance("twist back", "roll", math.radians(-20.0)),
+    Guidance("turn", "roll", math.radians(90.0)),
+)
+_WALK = (
+    Guidance("pull", "along", 0.5),
+    Guidance("push", "along", -0.3),
+    Guidance("left", "across", 0.4),
+    Guidance("right", "across", -0.4),
+)
+_REACH = (
+    Guidance("push", "along", -0.06),
+    Guidance("pull", "along", 0.08),
+    Guidance("left", "across", 0.2),
+    Guidance("right", "across", -0.2),
+)
+GUIDANCE = {base: (*(_REACH if base == "none" else _WALK), *_TURNS) for base in BASES}
+"""The movements in these scripts, in order, for the judge: how far the person wants the far end to go."""
 
 _CONTROLLER: dict[str, Any] = {
     "lyapunov_rate": 10.0,
