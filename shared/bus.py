@@ -9,6 +9,7 @@ OnPayload = Callable[[bytes], None]
 Reply = Callable[[bytes], None]
 OnRequest = Callable[[bytes, Reply], None]
 Work = Callable[[bool], None]
+Leave = Callable[[], None]
 
 
 class NoReply(TimeoutError):
@@ -34,6 +35,14 @@ class Bus(Protocol):
             on_payload: given each payload; has to return at once.
             work: called after whatever has arrived was handed over, in a thread in which it may take its time and use
                 the bus. It is told whether some of it arrived while the work before still lasted.
+        """
+        ...
+
+    def listen(self, key: str, on_payload: OnPayload) -> Leave:
+        """Subscribe for a while.
+
+        Returns:
+            What ends it; a payload that is on its way by then may still be handed over.
         """
         ...
 

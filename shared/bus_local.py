@@ -6,7 +6,7 @@ import heapq
 from collections.abc import Callable
 from functools import partial
 
-from shared.bus import NoReply, OnPayload, OnRequest, Work
+from shared.bus import Leave, NoReply, OnPayload, OnRequest, Work
 from shared.clock import nanoseconds
 
 
@@ -88,6 +88,18 @@ class LocalBus:
 
         take = on_payload if work is None else and_work
         self._subscribers[key] = (*self._subscribers.get(key, ()), take)
+
+    def listen(self, key: str, on_payload: OnPayload) -> Leave:
+        """Subscribe until what is returned is called."""
+        self.subscribe(key, on_payload)
+
+        def leave() -> None:
+            left = list(self._subscribers.pop(key))
+            left.remove(on_payload)
+            if left:
+                self._subscribers[key] = tuple(left)
+
+        return leave
 
     def serve(self, key: str, on_request: OnRequest) -> None:
         """Answer queries under the key."""

@@ -12,7 +12,7 @@ from typing import Any
 
 import zenoh
 
-from shared.bus import NoReply, OnPayload, OnRequest, Work
+from shared.bus import Leave, NoReply, OnPayload, OnRequest, Work
 from shared.codec import MAP_CAP
 from shared.topics import TOPICS, topic_by_key
 
@@ -222,15 +222,26 @@ class ZenohBus:
         thread costs more than a control tick, so none is woken only to wake another.
         """
         if work is None:
-
-            def on_sample(sample: zenoh.Sample) -> None:
-                on_payload(sample.payload.to_bytes())
-
-            self._declared.append(self._session.declare_subscriber(self._full(key), on_sample))
+            self.listen(key, on_payload)
             return
         subscriber = self._session.declare_subscriber(self._full(key), zenoh.handlers.RingChannel(_NEWEST))
         self._declared.append(subscriber)
         threading.Thread(target=_follow, args=(subscriber, on_payload, work), name=key, daemon=True).start()
+
+    def listen(self, key: str, on_payload: OnPayload) -> Leave:
+        """Subscribe until what is returned is called, from one of Zenoh's threads."""
+
+        def on_sample(sample: zenoh.Sample) -> None:
+            on_payload(sample.payload.to_bytes())
+
+        subscriber = self._session.declare_subscriber(self._full(key), on_sample)
+        self._declared.append(subscriber)
+
+        def leave() -> None:
+            self._declared.remove(subscriber)
+            subscriber.undeclare()
+
+        return leave
 
     def serve(self, key: str, on_request: OnRequest) -> None:
         """Answer queries under the key."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 
 from shared import faults
 from shared.arming import REARM_AFTER, Arming
-from shared.bus import Bus, Work
+from shared.bus import Bus, Leave, Work
 from shared.clock import Clock, nanoseconds, seconds
 from shared.faults import Fault
 from shared.inlet import Inlet, Received
@@ -76,6 +76,7 @@ class Runner:
             inlet = self.inlets[topic.key] = Inlet(topic, clock)
             driven = (work or (lambda _: wake())) if topic == self._driver else None
             bus.subscribe(topic.key, inlet.offer, driven)
+        self._leave: dict[str, Leave] = {}
         self._required = [self.inlets[topic.key] for topic in wiring.required]
         for query in (*wiring.queries, *((wiring.parameters,) if wiring.parameters else ())):
             bus.serve(query.key, self._desk.inbox(query))
@@ -87,7 +88,7 @@ class Runner:
         return min(work, self._health.due)
 
     def poll(self, behind: bool = False) -> None:
-        """Do what is due: a step or a brake first, then queries, then health.
+        """Do what is due: a step or a brake first, then queries, subscriptions and health.
 
         Args:
             behind: the driver's newest message arrived while the last poll was still at work.
@@ -106,8 +107,25 @@ class Runner:
             elif now >= self._next_brake:
                 self._watch(now)
         self._desk.serve()
+        self._follow_demand()
         if now >= self._health.due:
             self._health.send(self._clock.now_ns())
+
+    def _follow_demand(self) -> None:
+        """Subscribe to the occasional inputs that are of use, leave those that are not."""
+        for topic, of_use in self.service.wiring.occasional.items():
+            key = topic.key
+            if of_use() == (key in self._leave):
+                continue
+            if key not in self._leave:
+                inlet = self.inlets[key] = Inlet(topic, self._clock)
+                self._leave[key] = self._bus.listen(key, inlet.offer)
+            else:
+                self._leave.pop(key)()
+                # With the inlet goes all that it knows: nothing is missed meanwhile, and nothing old is used
+                # afterwards, not even what is still on its way.
+                del self.inlets[key]
+                self._seen.pop(key, None)
 
     def _tick(self, now: int) -> None:
         self._call(now, self._input_fault(now) or self._stall(now - self._next_tick, self._period_ns))

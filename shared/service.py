@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -41,6 +41,8 @@ class Wiring:
         driver: the topic whose every new message causes a step, or a period [s].
         required: topics that have to be healthy for a step; otherwise the service brakes.
         optional: topics that are handed over if they are healthy in form, whatever their age.
+        occasional: optional topics that cost their publisher something: subscribed to only while the function beside
+            each, asked after every step, says that they are of use, and each time as if for the first time.
         on_demand: topics that are worth publishing only while somebody subscribes; ``Inputs.wanted`` tells.
         queries: queryables that the service answers itself.
         parameters: queryable of its parameters, if it has one.
@@ -52,6 +54,7 @@ class Wiring:
     driver: Topic | float
     required: tuple[Topic, ...] = ()
     optional: tuple[Topic, ...] = ()
+    occasional: Mapping[Topic, Callable[[], bool]] = field(default_factory=dict)
     on_demand: tuple[Topic, ...] = ()
     queries: tuple[Query, ...] = ()
     parameters: Query | None = None
@@ -81,7 +84,7 @@ class Inputs:
         return self._readings[topic.key]
 
     def get(self, topic: Topic[M]) -> Reading[M] | None:
-        """The reading, or None if no message was ever accepted."""
+        """The reading, or None if no message was accepted since the subscription."""
         return self._readings.get(topic.key)
 
     def wanted(self, topic: Topic) -> bool:
@@ -89,7 +92,7 @@ class Inputs:
         return topic.key in self._wanted
 
     def refusals(self, topic: Topic) -> str:
-        """What was refused on the topic since the start, in words; empty if nothing."""
+        """What was refused on the topic since the subscription, in words; empty if nothing."""
         return self._refusals.get(topic.key, "")
 
 

@@ -38,6 +38,8 @@ PERIOD = 0.02
 _JOURNAL_EVERY = 1.0  # [s], and with each change of state
 _LOOKING = (State.SEARCHING, State.APPROACHING)
 """States that need the marker; in all others no image is looked at."""
+_WATCHING = (State.CALIBRATING, *_LOOKING)
+"""States in which the camera is subscribed to: it takes a moment until its first image is there."""
 
 
 class Task:
@@ -49,22 +51,22 @@ class Task:
         folder: where the journal is kept; None keeps none.
     """
 
-    wiring = Wiring(
-        name="task",
-        driver=PERIOD,
-        required=(STATE_EE,),
-        optional=(SENSOR_CAMERA, STATE_GRIPPER, STATE_ROBOT, WRENCH_EXTERNAL, CONTROL_STATUS, STOP),
-        queries=(TASK_COMMAND,),
-        # An image takes half a period, more on a busy machine; a late step of the task harms nothing.
-        overrun_share=1.0,
-    )
-
     def __init__(
         self, parameters: TaskParameters, now: Callable[[], float] = lambda: 0.0, folder: Path | None = None
     ) -> None:
         self.parameters: Parameters = parameters
         self._settings = parameters
         self.max_delay = parameters.max_delay
+        self.wiring = Wiring(
+            name="task",
+            driver=PERIOD,
+            required=(STATE_EE,),
+            optional=(STATE_GRIPPER, STATE_ROBOT, WRENCH_EXTERNAL, CONTROL_STATUS, STOP),
+            occasional={SENSOR_CAMERA: lambda: self.machine.state in _WATCHING},
+            queries=(TASK_COMMAND,),
+            # An image takes half a period, more on a busy machine; a late step of the task harms nothing.
+            overrun_share=1.0,
+        )
         self._now = now
         self._journal = Journal(folder / "task" if folder else None)
         self.machine = Machine(parameters)

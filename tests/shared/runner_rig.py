@@ -15,8 +15,8 @@ from tests.shared.rig import Recorder, Source, speed, tool, wrench
 class Rig:
     """A recorder in a stack, its two inputs, and everything that it commands."""
 
-    def __init__(self, **wiring: object) -> None:
-        self.stack = Stack()
+    def __init__(self, latency: float = 0.0, **wiring: object) -> None:
+        self.stack = Stack(latency)
         self.service = Recorder(**wiring)
         self.commands: list[tuple[float, TwistCommand, bool]] = []
         self.stack.client.watch(

@@ -84,6 +84,21 @@ def test_two_robots_on_one_network_do_not_hear_each_other(pair: Pair, shared_rou
         other.close()
 
 
+def test_what_is_left_is_wanted_no_more_and_may_be_subscribed_to_again(pair: Pair) -> None:
+    key = "sensor/camera"
+    heard: list[bytes] = []
+    for _ in range(2):
+        leave = pair.two.listen(key, heard.append)
+        eventually(lambda: pair.one.wanted(key), message="wanted")
+        eventually(lambda: pair.one.publish(key, b"picture") or heard, message="a payload")
+        leave()
+        eventually(lambda: not pair.one.wanted(key), message="wanted no more")
+        heard.clear()
+        pair.one.publish(key, b"too late")
+        throughout(lambda: not heard, 0.2, "nothing after leaving")
+    assert pair.through()
+
+
 def test_queries_are_answered_at_once_or_later_from_any_thread(pair: Pair) -> None:
     pair.two.serve("wrench/tare", lambda request, reply: reply(request * 2))
     pair.two.serve(

@@ -8,6 +8,7 @@ import pytest
 
 from shared.faults import FaultKind
 from shared.runner import LONGEST_DT
+from shared.service import Reading
 from shared.stack import Stack
 from shared.topics import (
     COMMAND_EE_TWIST,
@@ -17,7 +18,7 @@ from shared.topics import (
     STATE_JOINTS,
     WRENCH_EXTERNAL,
 )
-from tests.shared.rig import Recorder, Source, target, tool, wrench
+from tests.shared.rig import Recorder, Source, ft_sample, target, tool, wrench
 from tests.shared.runner_rig import Rig
 
 
@@ -95,6 +96,47 @@ def test_optional_inputs_are_handed_over_and_never_awaited() -> None:
     first, *later = [inputs[CONTROL_TARGET] for inputs, _ in rig.service.steps]
     assert first.new and not any(reading.new for reading in later)
     assert later[-1].age == pytest.approx(10.0, abs=0.02)
+
+
+def test_an_occasional_input_is_subscribed_to_while_it_is_of_use_and_then_anew() -> None:
+    use = False
+    rig = Rig(occasional={SENSOR_FT: lambda: use})
+    rig.working()
+    source = rig.source(SENSOR_FT, ft_sample)
+    key, steps = SENSOR_FT.key, rig.service.steps
+
+    def run(duration: float) -> list[Reading | None]:
+        steps.clear()
+        rig.stack.run(duration)
+        return [inputs.get(SENSOR_FT) for inputs, _ in steps]
+
+    assert not any(run(0.2)) and not rig.stack.bus.wanted(key) and key not in rig.runner.inlets
+    use = True
+    readings = run(0.2)
+    assert rig.stack.bus.wanted(key) and readings[-1] is not None and readings[-1].new
+    use = False
+    assert not any(run(0.2)[1:]) and not rig.stack.bus.wanted(key)
+    # Whatever was heard before is forgotten: neither an old message nor a fault about the time between is left.
+    source.on, use = False, True
+    assert not any(run(0.2)) and rig.runner.inlets[key].age(rig.stack.scheduler.clock.now_ns()) == -1.0
+    source.restart()
+    source.on = True
+    first = next(reading for reading in run(0.2) if reading is not None)
+    assert first.new and first.header.session == source.publisher.session
+    assert rig.runner.fault is None
+
+
+def test_a_message_still_on_its_way_when_an_input_is_left_is_not_used_afterwards() -> None:
+    use = True
+    rig = Rig(occasional={SENSOR_FT: lambda: use}, latency=0.05)
+    rig.working()
+    rig.stack.client.publish(SENSOR_FT, ft_sample(1.0))
+    use = False
+    rig.stack.run(0.02)
+    use = True
+    rig.service.steps.clear()
+    rig.stack.run(0.2)
+    assert rig.service.steps and not any(inputs.get(SENSOR_FT) for inputs, _ in rig.service.steps)
 
 
 def test_two_messages_of_one_instant_are_two() -> None:

@@ -56,6 +56,24 @@ def test_payloads_arrive_after_the_latency_in_order_at_every_subscriber() -> Non
     assert got == [("x", b"1", due), ("y", b"1", due), ("x", b"2", due), ("y", b"2", due)]
 
 
+def test_who_leaves_hears_nothing_more_and_the_others_do() -> None:
+    scheduler = Scheduler()
+    bus = LocalBus(scheduler)
+    first: list[bytes] = []
+    second: list[bytes] = []
+    leave_first, leave_second = bus.listen("a/b", first.append), bus.listen("a/b", second.append)
+    leave_first()
+    bus.publish("a/b", b"1")
+    scheduler.run_until(1)
+    assert (first, second) == ([], [b"1"]) and bus.wanted("a/b")
+    leave_second()
+    assert not bus.wanted("a/b")
+    bus.subscribe("a/b", first.append)
+    bus.publish("a/b", b"2")
+    scheduler.run_until(2)
+    assert (first, second) == ([b"2"], [b"1"])
+
+
 def test_a_query_that_is_answered_later_takes_its_time_and_no_more() -> None:
     scheduler = Scheduler()
     bus = LocalBus(scheduler)

@@ -44,7 +44,11 @@ FORGIVING = ("--set", "max_delay=1.0", "--set", "marker_max_age=1.0")
 
 
 class Surroundings:
-    """The toy robot in real time: publishes from a thread of its own, collects what the task says."""
+    """The toy robot in real time: publishes from a thread of its own, collects what the task says.
+
+    Attributes:
+        pictures: how many the camera has taken; it does so only while somebody subscribes.
+    """
 
     def __init__(self, endpoint: str) -> None:
         self.bus = ZenohBus(connect=endpoint)
@@ -52,6 +56,7 @@ class Surroundings:
         self.robot = Robot(self.client.watch)
         self.health = self.client.watch(health_topic("task"))
         self.leads = False
+        self.pictures = 0
         self._session = secrets.randbits(60)
         self._sequences: dict[str, int] = {}
         self._ended = threading.Event()
@@ -65,11 +70,18 @@ class Surroundings:
             if self.leads:
                 self.robot.person()
             for topic, message, valid in self.robot.tick(tick):
+                if topic is SENSOR_CAMERA:
+                    if not self.looked_at():
+                        continue
+                    self.pictures += 1
                 sequence = self._sequences.get(topic.key, 0)
                 self._sequences[topic.key] = sequence + 1
                 header = Header(sequence, self._session, SteadyClock().now_ns(), valid)
                 self.bus.publish(topic.key, encode(message, header))
             tick += 1
+
+    def looked_at(self) -> bool:
+        return self.bus.wanted(SENSOR_CAMERA.key)
 
     def close(self) -> None:
         self._ended.set()
@@ -131,6 +143,25 @@ def test_health_and_liveliness(around: Surroundings, task: Process) -> None:
     )
     assert "task" in around.bus.living()
     eventually(lambda: around.health.latest.message.loop_hz > 35.0, message="about fifty steps a second")
+
+
+def test_the_camera_rests_unless_the_marker_is_looked_for(around: Surroundings, task: Process) -> None:
+    eventually(around.ready, 30.0)
+    throughout(lambda: not around.looked_at(), 0.5, "nobody looks before the start")
+    around.carrying()
+    assert around.pictures
+    eventually(lambda: not around.looked_at(), message="no more looking once the panel is held")
+    taken = around.pictures
+    throughout(lambda: around.pictures == taken, 1.0, "no pictures while carrying")
+    around.robot.toy.lifted = False
+    around.ask("release")
+    around.ask("release")
+    eventually(around.in_state("done"), 30.0, "let go")
+    assert around.pictures == taken
+    around.ask("reset")
+    around.ask("start")
+    eventually(around.in_state("approaching"), 30.0, "the marker is found again")
+    assert around.pictures > taken
 
 
 def test_camera_off_while_approaching(around: Surroundings, task: Process) -> None:
