@@ -5,15 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-import numpy as np
 import pybullet
-from numpy.typing import NDArray
 
 from services.sim.bag import BAG_LENGTH, ROPE_LENGTH
-from services.sim.kinematics import HOME, TOOL_FRAME, URDF
-
-Picture = NDArray[np.uint8]
-Colour = tuple[float, float, float, float]
+from services.sim.canvas import Canvas, Colour, Matrix, Picture, pixel
+from services.sim.kinematics import HOME
 
 CAMERA = (2.35, -2.25, 1.35)
 LOOKS_AT = (0.16, 0.02, 0.66)
@@ -29,7 +25,6 @@ _ROPE: Colour = (0.62, 0.50, 0.33, 1.0)
 _SHADE: tuple[Colour, Colour] = ((0.97, 0.98, 1.0, 1.0), (0.90, 0.91, 0.93, 1.0))
 _CLOTH: Colour = (0.30, 0.45, 0.33, 1.0)
 _BAND: Colour = (0.80, 0.66, 0.25, 1.0)
-_AWAY = (0.0, 0.0, -10.0)
 
 
 class Scene:
@@ -41,72 +36,56 @@ class Scene:
 
     def __init__(self, width: int, height: int) -> None:
         self._size = width, height
-        self._client = pybullet.connect(pybullet.DIRECT)
-        self._on = {"physicsClientId": self._client}
-        self._robot = pybullet.loadURDF(str(URDF), useFixedBase=True, **self._on)
-        info = [
-            pybullet.getJointInfo(self._robot, joint, **self._on)
-            for joint in range(pybullet.getNumJoints(self._robot, **self._on))
-        ]
-        self._joints = {entry[1].decode(): entry[0] for entry in info}
-        self._tool = next(entry[0] for entry in info if entry[12].decode() == TOOL_FRAME)
+        self._canvas = Canvas(LIGHT, 0.62, 0.42, 0.06)
         self._tiles()
         # The renderer's own shadows treble its time and miss the floor; two discs do.
         self._shades = [
-            self._shape(pybullet.GEOM_CYLINDER, shade, radius=radius, length=0.002)
+            self._canvas.shape(pybullet.GEOM_CYLINDER, shade, radius=radius, length=0.002)
             for shade, radius in zip(_SHADE, (0.33, 0.11), strict=True)
         ]
-        self._place(self._shades[0], (-0.03, 0.02, 0.0))
-        self._beads = [self._shape(pybullet.GEOM_SPHERE, _ROPE, radius=0.009) for _ in range(ROPE_BEADS)]
-        self._bag = [
-            self._shape(pybullet.GEOM_BOX, _CLOTH, halfExtents=[0.085, 0.065, 0.09]),
-            self._shape(pybullet.GEOM_BOX, _BAND, halfExtents=[0.087, 0.067, 0.012]),
-            self._shape(pybullet.GEOM_SPHERE, _CLOTH, radius=0.05),
+        self._canvas.place(self._shades[0], (-0.03, 0.02, 0.0))
+        self._beads = [
+            self._canvas.shape(pybullet.GEOM_SPHERE, _ROPE, radius=0.009) for _ in range(ROPE_BEADS)
         ]
-        self._view = pybullet.computeViewMatrix(CAMERA, LOOKS_AT, (0, 0, 1), **self._on)
+        self._bag = [
+            self._canvas.shape(pybullet.GEOM_BOX, _CLOTH, halfExtents=[0.085, 0.065, 0.09]),
+            self._canvas.shape(pybullet.GEOM_BOX, _BAND, halfExtents=[0.087, 0.067, 0.012]),
+            self._canvas.shape(pybullet.GEOM_SPHERE, _CLOTH, radius=0.05),
+        ]
+        self._view = pybullet.computeViewMatrix(CAMERA, LOOKS_AT, (0, 0, 1))
         self._projection = self._window(0.0, 1.0)
         self._columns = round(MOVING[0] * width), round(MOVING[1] * width)
         self._moving = self._window(*(column / width for column in self._columns))
         self.pose(HOME, None)
         self._still = self._render(width, self._projection)
 
-    def _shape(self, kind: int, colour: Colour, **size: object) -> int:
-        visual = pybullet.createVisualShape(kind, rgbaColor=colour, **size, **self._on)
-        return pybullet.createMultiBody(0, -1, visual, _AWAY, **self._on)
-
     def _tiles(self) -> None:
         half = 0.25
         for column in range(-6, 10):
             for row in range(-8, 9):
-                tile = self._shape(
+                tile = self._canvas.shape(
                     pybullet.GEOM_BOX, _FLOOR[(column + row) % 2], halfExtents=[half, half, 0.01]
                 )
-                self._place(tile, (2 * half * column, 2 * half * row, -0.01))
-
-    def _place(self, body: int, position: Sequence[float]) -> None:
-        pybullet.resetBasePositionAndOrientation(body, position, (0, 0, 0, 1), **self._on)
+                self._canvas.place(tile, (2 * half * column, 2 * half * row, -0.01))
 
     def pose(self, joints: Mapping[str, float], bag_height: float | None) -> None:
         """Put the joints at their positions [m, rad] and the bag's bottom at its height [m]; None: there is no bag."""
-        for name, position in joints.items():
-            if name in self._joints:
-                pybullet.resetJointState(self._robot, self._joints[name], position, **self._on)
+        self._canvas.pose(joints)
         tool = self.tool()
         if bag_height is None:
             for body in (*self._beads, *self._bag, self._shades[1]):
-                self._place(body, _AWAY)
+                self._canvas.hide(body)
             return
         top = (tool[0], tool[1], bag_height + BAG_LENGTH)
         for bead, place in zip(self._beads, _rope(tool, top), strict=True):
-            self._place(bead, place)
-        self._place(self._shades[1], (top[0], top[1], 0.001))
+            self._canvas.place(bead, place)
+        self._canvas.place(self._shades[1], (top[0], top[1], 0.001))
         for part, above in zip(self._bag, (0.09, 0.13, 0.19), strict=True):
-            self._place(part, (top[0], top[1], bag_height + above))
+            self._canvas.place(part, (top[0], top[1], bag_height + above))
 
     def tool(self) -> tuple[float, float, float]:
         """Position [m] of the tool."""
-        state = pybullet.getLinkState(self._robot, self._tool, computeForwardKinematics=True, **self._on)
-        return state[4]
+        return self._canvas.tool()
 
     def picture(self) -> Picture:
         """The scene as (height, width, 3) red, green, blue."""
@@ -115,45 +94,27 @@ class Scene:
         picture[:, left:right] = self._render(right - left, self._moving)
         return picture
 
-    def _window(self, left: float, right: float) -> tuple[float, ...]:
+    def _window(self, left: float, right: float) -> Matrix:
         """Projection matrix of the columns between two shares of the width."""
         width, height = self._size
         top = NEAR * math.tan(math.radians(FIELD_OF_VIEW) / 2.0)
         side = top * width / height
-        matrix: tuple[float, ...] = pybullet.computeProjectionMatrix(
-            (2.0 * left - 1.0) * side, (2.0 * right - 1.0) * side, -top, top, NEAR, FAR, **self._on
+        matrix: Matrix = pybullet.computeProjectionMatrix(
+            (2.0 * left - 1.0) * side, (2.0 * right - 1.0) * side, -top, top, NEAR, FAR
         )
         return matrix
 
-    def _render(self, width: int, projection: tuple[float, ...]) -> Picture:
-        height = self._size[1]
-        pixels = pybullet.getCameraImage(
-            width,
-            height,
-            self._view,
-            projection,
-            lightDirection=LIGHT,
-            lightColor=(1, 1, 1),
-            lightAmbientCoeff=0.62,
-            lightDiffuseCoeff=0.42,
-            lightSpecularCoeff=0.06,
-            shadow=0,
-            renderer=pybullet.ER_TINY_RENDERER,
-            flags=pybullet.ER_NO_SEGMENTATION_MASK,
-            **self._on,
-        )[2]
-        return np.reshape(np.array(pixels, dtype=np.uint8), (height, width, 4))[:, :, :3]
+    def _render(self, width: int, projection: Matrix) -> Picture:
+        return self._canvas.render(width, self._size[1], self._view, projection)[0]
 
     def pixel(self, point: Sequence[float]) -> tuple[float, float]:
         """Where a point [m] of the world appears in the picture: column and row [px]."""
-        width, height = self._size
-        view, projection = (np.reshape(matrix, (4, 4)).T for matrix in (self._view, self._projection))
-        x, y, _, w = projection @ view @ np.array((*point, 1.0))
-        return (1.0 + x / w) / 2.0 * width, (1.0 - y / w) / 2.0 * height
+        column, row = pixel(point, self._view, self._projection, self._size)
+        return float(column), float(row)
 
     def close(self) -> None:
         """Release the scene."""
-        pybullet.disconnect(self._client)
+        self._canvas.close()
 
 
 def _rope(tool: Sequence[float], top: Sequence[float]) -> list[tuple[float, float, float]]:

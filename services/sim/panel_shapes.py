@@ -1,0 +1,53 @@
+"""The panel with the marker on it, as shapes for the renderer."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from services.sim import marker
+from services.sim.canvas import Canvas, Colour
+from services.sim.sight import Sight
+from shared.spatial import Array
+
+FOAM: Colour = (0.55, 0.68, 0.82, 1.0)
+PLATE, INK = 0.0001, 0.0002
+"""Heights [m] of the marker's white and of its black above the panel: enough for the renderer to tell them apart from as
+near as the head is."""
+
+
+class PanelShapes:
+    """A box, a white plate and black strips.
+
+    Args:
+        canvas: where they are drawn.
+        sight: size of the panel, and its marker.
+        thicker: how many times as high above the panel the marker is drawn.
+    """
+
+    def __init__(self, canvas: Canvas, sight: Sight, thicker: float = 1.0) -> None:
+        self._canvas = canvas
+        self._marker_in_panel = sight.marker_in_panel
+        self._panel = canvas.box(sight.panel_size, FOAM)
+        cell = sight.marker_size / marker.CELLS
+        whole = sight.marker_size + 2.0 * marker.MARGIN * cell
+        white, black = thicker * PLATE, thicker * INK
+        plate = canvas.box((whole, whole, white), (1.0, 1.0, 1.0, 1.0))
+        # Each part with its place in the marker's frame.
+        self._parts = [(plate, np.array((0.0, 0.0, 0.5 * white)))]
+        for left, right, lower, upper in marker.strips(sight.marker):
+            strip = canvas.box(
+                ((right - left) * cell, (upper - lower) * cell, black), (0.02, 0.02, 0.02, 1.0)
+            )
+            centre = np.array((0.5 * (left + right) * cell, 0.5 * (lower + upper) * cell, 0.5 * black))
+            self._parts.append((strip, centre))
+
+    def pose(self, position: Array, rotation: Array, covered: bool) -> None:
+        """Put the panel's centre at a position (3,) [m] and rotation (3, 3), with the marker covered or not."""
+        self._canvas.place(self._panel, position, rotation)
+        turned = rotation.dot(marker.ROTATION)
+        centre = position + rotation.dot(self._marker_in_panel)
+        for part, place in self._parts:
+            if covered:
+                self._canvas.hide(part)
+            else:
+                self._canvas.place(part, centre + turned.dot(place), turned)
