@@ -9,7 +9,7 @@ import numpy as np
 from services.sim.contact import PointContacts
 from services.sim.rigid_body import RigidBody
 from shared.constants import GRAVITY
-from shared.spatial import Array
+from shared.spatial import Array, rotation_from_vector
 
 SUPPORTS = (-0.25, 0.25)
 """Where the two trestles stand, as shares of the panel's length from its centre."""
@@ -29,6 +29,7 @@ class PanelSpec:
         friction: of the foam on ground and supports.
         stiffness: [N/m] of the foam that stands on an edge or lies on a face.
         near_edge: middle of the edge towards the robot (3,) [m], in world, as it lies on its supports.
+        yaw: of the panel and its supports about the vertical through there [rad].
     """
 
     size: tuple[float, float, float]
@@ -36,45 +37,40 @@ class PanelSpec:
     friction: float
     stiffness: float
     near_edge: tuple[float, float, float]
+    yaw: float = 0.0
 
 
 class Panel:
-    """The panel; its axes are those of the world while it lies on the supports, its origin is its centre.
+    """The panel; its origin is its centre. On its supports its x axis leads away from the robot, its z axis up.
 
     Attributes:
         body: position, rotation and motion.
         half: half its size (3,) [m].
         supported: whether the supports still stand.
         trestles: where they stand: the middle of their upper edges (2, 3) [m], in world.
+        heading: of the trestles [rad].
     """
 
     def __init__(self, spec: PanelSpec) -> None:
         self.half: Array = np.array(spec.size) / 2.0
         length, width, thickness = spec.size
         squares = np.array((width**2 + thickness**2, length**2 + thickness**2, length**2 + width**2))
-        centre = np.array(spec.near_edge) + np.array((length / 2.0, 0.0, 0.0))
-        self.body = RigidBody(spec.mass, spec.mass / 12.0 * squares, centre)
+        lying = rotation_from_vector((0.0, 0.0, spec.yaw))
+        centre = np.array(spec.near_edge) + length / 2.0 * lying[:, 0]
+        self.body = RigidBody(spec.mass, spec.mass / 12.0 * squares, centre, lying)
         signs = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
         self._corners = signs * self.half
         # Lying on a face or standing on an edge it rests on four corners.
         share = spec.stiffness / 4.0, spec.mass / 4.0, spec.friction
         self._ground = PointContacts(8, *share)
         self._trestles = PointContacts(4, *share)
-        self._points = np.array(
-            [
-                (
-                    centre[0] + along * length,
-                    centre[1] + across * SUPPORT_WIDTH * width,
-                    # So that it lies still, pressed into them by its weight, from the start on.
-                    centre[2] - thickness / 2.0 + spec.mass * GRAVITY / spec.stiffness,
-                )
-                for along in SUPPORTS
-                for across in (-1.0, 1.0)
-            ]
-        )
-        self.trestles: Array = centre + np.array(
-            [(along * length, 0.0, -thickness / 2.0) for along in SUPPORTS]
-        )
+        # So that it lies still, pressed into them by its weight, from the start on.
+        depth = thickness / 2.0 - spec.mass * GRAVITY / spec.stiffness
+        points = [(x * length, y * SUPPORT_WIDTH * width, -depth) for x in SUPPORTS for y in (-1.0, 1.0)]
+        self._points = centre + np.array(points).dot(lying.T)
+        middles = [(along * length, 0.0, -thickness / 2.0) for along in SUPPORTS]
+        self.trestles: Array = centre + np.array(middles).dot(lying.T)
+        self.heading = spec.yaw
         self._clear = centre[2] + CLEARED
         self.supported = True
 

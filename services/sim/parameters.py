@@ -86,6 +86,13 @@ class SimParameters(Parameters):
         maximum=5.0,
         doc="middle of the panel's edge towards the robot as it lies on its supports, in base at the start",
     )
+    panel_yaw: float = parameter(
+        0.0,
+        unit="rad",
+        minimum=-1.5,
+        maximum=1.5,
+        doc="of the panel on its supports, about the vertical through panel_position",
+    )
     grip_friction: float = parameter(
         3.5,
         unit="1",
@@ -111,18 +118,40 @@ class SimParameters(Parameters):
         doc="of the marker's centre on the panel's upper face, from the panel's centre along its x and y",
     )
     light: float = parameter(1.0, unit="1", minimum=0.0, maximum=2.0, doc="brightness; 0 = dark")
-    seed: int = parameter(0, unit="", minimum=0, maximum=2**63 - 1, doc="of the sensor noise")
+    camera_noise: float = parameter(
+        0.0,
+        unit="of 255",
+        minimum=0.0,
+        maximum=50.0,
+        doc="standard deviation of each pixel's red, green and blue",
+    )
+    seed: int = parameter(
+        0, unit="", minimum=0, maximum=2**63 - 1, doc="of the noise of force-torque sensor and camera"
+    )
 
     def carry(self) -> CarrySpec:
         """The carrying scenario."""
         panel = PanelSpec(
-            self.panel_size, self.panel_mass, self.panel_friction, self.panel_stiffness, self.panel_position
+            self.panel_size,
+            self.panel_mass,
+            self.panel_friction,
+            self.panel_stiffness,
+            self.panel_position,
+            self.panel_yaw,
         )
         return CarrySpec(panel, self.grip_friction, self.person_force, self.person_torque)
 
     def sight(self) -> Sight:
         """What the camera sees of the carrying scenario."""
-        return Sight(self.panel_size, self.marker_id, self.marker_size, self.marker_position, self.light)
+        return Sight(
+            self.panel_size,
+            self.marker_id,
+            self.marker_size,
+            self.marker_position,
+            self.light,
+            self.camera_noise,
+            self.seed,
+        )
 
     def check(self) -> None:
         """Whether what depends on the sensors hears from them often enough.

@@ -20,13 +20,14 @@ class RigidBody:
         mass: [kg].
         inertia: principal moments (3,) [kg m2].
         position: of the centre of mass (3,) [m], in world.
+        rotation: of the principal axes (3, 3), in world.
     """
 
-    def __init__(self, mass: float, inertia: Array, position: Array) -> None:
+    def __init__(self, mass: float, inertia: Array, position: Array, rotation: Array) -> None:
         self.mass = mass
         self._inertia = inertia
         self.position: Array = position.copy()
-        self.rotation: Array = np.eye(3)
+        self.rotation: Array = rotation.copy()
         self.velocity: Array = np.zeros(3)
         self.spin: Array = np.zeros(3)
 

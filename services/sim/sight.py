@@ -51,6 +51,8 @@ class Sight:
         marker_size: width [m] of its black square.
         marker_position: of its centre on the panel's upper face, in the panel's frame (2,) [m].
         light: 1 = normal, 0 = dark.
+        noise: standard deviation of each pixel's values [of 255].
+        seed: of the noise.
     """
 
     panel_size: tuple[float, float, float]
@@ -58,6 +60,8 @@ class Sight:
     marker_size: float
     marker_position: tuple[float, float]
     light: float
+    noise: float = 0.0
+    seed: int = 0
 
     @property
     def marker_in_panel(self) -> Array:

@@ -41,7 +41,10 @@ class Sights:
         joints.update(zip(FINGERS, (world.gripper.left, world.gripper.right), strict=True))
         supports = None
         if panel.supported:
-            supports = np.array([self._in_base(place) for place in panel.trestles]), -world.base.yaw
+            supports = (
+                np.array([self._in_base(place) for place in panel.trestles]),
+                panel.heading - world.base.yaw,
+            )
         return Look(
             position,
             rotation,

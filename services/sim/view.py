@@ -30,6 +30,7 @@ class Renderer:
 
     def __init__(self, sight: Sight) -> None:
         self._sight = sight
+        self._random = np.random.default_rng(sight.seed)
         self._canvas = Canvas(LIGHT_FROM, 0.6 * sight.light, 0.4 * sight.light, 0.0)
         size = (0.04, 0.8 * sight.panel_size[1], _BEAM)
         self._trestles = [self._canvas.box(size, (0.45, 0.36, 0.28, 1.0)) for _ in SUPPORTS]
@@ -47,7 +48,10 @@ class Renderer:
         )
         picture, nothing = self._canvas.render(WIDTH, HEIGHT, view, self._projection)
         picture[nothing] = np.minimum(self._sight.light * np.array(BACKGROUND), 255.0).astype(np.uint8)
-        return picture
+        if self._sight.noise == 0.0:
+            return picture
+        grain = self._sight.noise * self._random.standard_normal(picture.shape, dtype=np.float32)
+        return np.clip(picture + grain, 0.0, 255.0).astype(np.uint8)
 
     def _pose(self, look: Look) -> None:
         self._canvas.pose(look.joints)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -94,6 +95,21 @@ def test_points_are_where_the_calibration_says(
     for corner, out in zip(corners, outwards, strict=True):
         inside, outside = np.round(corner - 2.5 * out).astype(int), np.round(corner + 2.5 * out).astype(int)
         assert picture[inside[1], inside[0]] < 60 < 150 < picture[outside[1], outside[0]]
+
+
+def test_noise_is_as_strong_as_stated_and_the_same_for_one_seed() -> None:
+    position, rotation = Head(CARRY_HOME).camera(0.22)
+    look = Look(position, rotation, dict(CARRY_HOME), np.array((1.17, -0.39, 0.78)), np.eye(3), None, False)
+    pictures = []
+    for noise, seed in ((0.0, 1), (6.0, 1), (6.0, 1), (6.0, 2)):
+        renderer = Renderer(replace(SIGHT, noise=noise, seed=seed))
+        pictures.append(renderer.picture(look).astype(float))
+        renderer.close()
+    clean, noisy, again, other = pictures
+    # Away from black and white, where it is cut off.
+    grain = (noisy - clean)[np.abs(clean - 127.0) < 90.0]
+    assert grain.std() == pytest.approx(6.0, rel=0.05) and abs(grain.mean()) < 1.0
+    assert np.array_equal(noisy, again) and not np.array_equal(noisy, other)
 
 
 def test_the_dictionary_has_fifty_markers_that_no_turn_confuses() -> None:

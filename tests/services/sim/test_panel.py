@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -46,6 +47,18 @@ def test_it_lies_still_on_its_supports() -> None:
     settle(panel)
     assert panel.body.position == pytest.approx((0.57 + 0.6, -0.39, 0.76), abs=1e-6)
     assert np.linalg.norm(panel.body.velocity) < 1e-6
+
+
+def test_it_lies_as_still_on_supports_that_stand_askew() -> None:
+    yaw = 0.3
+    panel = Panel(replace(SPEC, yaw=yaw))
+    settle(panel)
+    centre = np.array(SPEC.near_edge) + 0.6 * np.array((math.cos(yaw), math.sin(yaw), 0.0))
+    assert panel.body.position == pytest.approx(centre, abs=1e-6)
+    assert panel.body.rotation == pytest.approx(rotation_from_vector((0.0, 0.0, yaw)), abs=1e-6)
+    # Supports that did not stand below it would let it fall; their middles are on its own middle line.
+    across = (panel.trestles - centre) @ panel.body.rotation[:, 1]
+    assert across == pytest.approx((0.0, 0.0), abs=1e-9) and panel.heading == yaw
 
 
 def test_lifting_its_weight_off_the_supports_takes_its_weight() -> None:
@@ -111,7 +124,7 @@ def test_the_supports_are_taken_away_once_it_is_lifted() -> None:
 
 def test_a_free_body_keeps_energy_and_angular_momentum() -> None:
     inertia = np.array((0.05, 0.18, 0.22))
-    body = RigidBody(1.5, inertia, np.zeros(3))
+    body = RigidBody(1.5, inertia, np.zeros(3), np.eye(3))
     body.spin = np.array((3.0, 0.1, 0.05))
     lift = np.array((0.0, 0.0, WEIGHT))
 
