@@ -32,7 +32,8 @@ class World:
     Attributes:
         time: simulated time [s] since the process started.
         start: positions of the joints at the start [m, rad], by name; those not named are at zero.
-        contact_force: force (3) [N] that bag and pushes exert on the tool, in world.
+        contact_force, contact_torque: force (3) [N] that bag, panel and pushes exert on the tool, and the torque
+            (3) [Nm] of panel and pushes about its origin, in world.
 
     Args:
         step: duration [s] of one physics step.
@@ -49,6 +50,7 @@ class World:
         self.carry = carry
         self.time = 0.0
         self.contact_force = [0.0, 0.0, 0.0]
+        self.contact_torque = [0.0, 0.0, 0.0]
         self._step = step
         self._pushes: list[_Push] = []
 
@@ -63,6 +65,7 @@ class World:
         self.bag = Bag()
         self._pushes = []
         self.contact_force = [0.0, 0.0, 0.0]
+        self.contact_torque = [0.0, 0.0, 0.0]
 
     def load(self, mass: float) -> None:
         """Hang a bag of that total mass [kg] from the tool, or make the one there so heavy; 0 takes it off."""
@@ -100,6 +103,8 @@ class World:
         self.arm.advance(twist, force, torque)
         x, y, z = force
         self.contact_force = list(self.base.turned((x, y, z)))
+        tx, ty, tz = torque or (0.0, 0.0, 0.0)
+        self.contact_torque = list(self.base.turned((tx, ty, tz)))
         self.time += self._step
 
     def camera(self) -> tuple[Array, Array]:

@@ -190,6 +190,7 @@ def test_held_at_both_ends_the_wrist_carries_what_statics_say() -> None:
         + np.cross(world.hand.position - tool.position, world.hand.force)
         + world.hand.torque
     )
+    assert rig.simulator.world.contact_torque == pytest.approx(about, abs=0.05)
     wanted = statics(rig.simulator.world.arm.physics.position, weight + world.hand.force, about)
     sample = rig.last(topics.SENSOR_FT)
     assert sample.force == pytest.approx(wanted[:3], abs=0.01 * np.linalg.norm(wanted[:3]))

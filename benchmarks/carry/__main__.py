@@ -1,0 +1,68 @@
+"""The sweep: ``python -m benchmarks.carry [--seeds FIRST-LAST] [--jobs N] [--kind KIND] [--seed N]``."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing import get_context
+
+from benchmarks.carry.cases import KINDS, Case, case
+from benchmarks.carry.judge import Verdict
+from benchmarks.carry.play import play, verdict_of
+from benchmarks.carry.report import line, show, trace
+
+SEEDS = "0-119"
+
+
+def _all(seeds: Sequence[int], jobs: int) -> Iterator[tuple[Case, Verdict]]:
+    # A process for each few cases: the physics engine's and the solver's memory is given back that way.
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), max_tasks_per_child=8) as pool:
+        yield from pool.map(verdict_of, seeds)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Play cases and print what became of them.
+
+    Returns:
+        0; 1 if a panel was dropped or let go too early, or fewer than 99 % were completed.
+    """
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.carry", description=__doc__)
+    parser.add_argument("--seeds", default=SEEDS, help="first and last, FIRST-LAST, or some, N,N,...")
+    parser.add_argument("--seed", type=int, help="one case only, with its states and reasons")
+    parser.add_argument("--kind", choices=sorted(set(KINDS)), help="only cases of that kind")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes at a time")
+    options = parser.parse_args(arguments)
+    if options.seed is not None:
+        played = play(case(options.seed))
+        trace(played)
+        return 0 if played.verdict.completed else 1
+    seeds = [seed for seed in _numbers(options.seeds) if options.kind in (None, case(seed).kind)]
+    begun, results = time.monotonic(), []
+    try:
+        for number, (chosen, verdict) in enumerate(_all(seeds, options.jobs), 1):
+            results.append((chosen, verdict))
+            print(f"{number}/{len(seeds)} {line(chosen, verdict)}", file=sys.stderr, flush=True)
+    except (KeyboardInterrupt, BrokenProcessPool) as problem:
+        print(f"broken off: {type(problem).__name__}", file=sys.stderr)
+    if not results:
+        return 1
+    show(results, time.monotonic() - begun, options.jobs)
+    good = sum(verdict.completed for _, verdict in results)
+    bad = any(verdict.dropped or verdict.early for _, verdict in results)
+    return 1 if bad or good < 0.99 * len(results) else 0
+
+
+def _numbers(text: str) -> list[int]:
+    if "," in text or "-" not in text:
+        return [int(part) for part in text.split(",")]
+    first, last = text.split("-")
+    return list(range(int(first), int(last) + 1))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

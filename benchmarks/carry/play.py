@@ -1,0 +1,102 @@
+"""Plays one case with all services in one process under a simulated clock."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.carry.cases import Case, case
+from benchmarks.carry.course import SweepCourse
+from benchmarks.carry.judge import Verdict, judge
+from benchmarks.carry.witness import Witness
+from benchmarks.experiment_stack import LONGEST, Staged
+from services.experiment.carry import protocol
+from services.experiment.course import Failed
+from services.experiment.play import Play
+from services.experiment.recording import Event
+from services.sim.camera import OwnDarkroom
+from services.sim.sight import Look
+
+LOOKING = ("", "idle", "calibrating", "searching", "approaching")
+
+
+class Shutter(OwnDarkroom):
+    """Takes pictures only while somebody looks at them: to render them takes longer than all the rest."""
+
+    open = True
+
+    def expose(self, look: Look) -> None:
+        """A picture, unless nobody would look at it."""
+        if Shutter.open:
+            super().expose(look)
+
+
+@dataclass(frozen=True)
+class Played:
+    """A case with what became of it.
+
+    Attributes:
+        case: that was played.
+        verdict: on it.
+        events: of its course, in time since the start.
+        seen: by the witness.
+    """
+
+    case: Case
+    verdict: Verdict
+    events: list[Event]
+    seen: Mapping[str, np.ndarray]
+
+
+def play(chosen: Case) -> Played:
+    """Play a case to its end."""
+    course = SweepCourse(chosen)
+    carry = Play("sweep", (chosen.run,), lambda _: chosen.run, 0.0, "", lambda _: course, None, None)
+    trouble = ""
+    with tempfile.TemporaryDirectory() as folder:
+        staged = Staged(carry, chosen.run, Path(folder), Shutter)
+        witness = Witness(staged.simulator, protocol.PANEL_SIZE[2])
+        staged.stack.add(witness)
+        state = ""
+
+        def done() -> bool:
+            nonlocal state
+            if course.events:
+                state = next((event.name for event in reversed(course.events) if event.name in STATES), state)
+            Shutter.open = state in LOOKING
+            return course.done
+
+        try:
+            staged.stack.run(LONGEST, done=done)
+        except Failed as problem:
+            trouble = str(problem)
+        if not course.done and not trouble:
+            trouble = f"still {course.phase} after {LONGEST:g} s"
+    start = course.start or 0.0
+    events = [Event(event.time - start, event.name, event.detail) for event in course.events]
+    states = [event for event in events if event.name in STATES]
+    end = states[-1] if states else Event(0.0, "", trouble)
+    limits = np.array(protocol.FORCE_LIMIT + protocol.TORQUE_LIMIT)
+    verdict = judge(witness.seen(), limits, end.name, end.detail, course.told, trouble)
+    return Played(chosen, verdict, events, witness.seen())
+
+
+def verdict_of(seed: int) -> tuple[Case, Verdict]:
+    """The case of a seed and the verdict on it: what was seen stays in the process that played it, it is large."""
+    played = play(case(seed))
+    return played.case, played.verdict
+
+
+STATES = (
+    *LOOKING[1:],
+    "grasping",
+    "carrying",
+    "releasing",
+    "retreating",
+    "done",
+    "holding",
+)
