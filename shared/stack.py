@@ -23,6 +23,7 @@ class Stack:
         self.bus = LocalBus(self.scheduler, latency)
         self.client = Client(self.bus, self.scheduler.clock)
         self._due: dict[int, int] = {}
+        self._killed: set[int] = set()
 
     @property
     def now(self) -> float:
@@ -35,12 +36,18 @@ class Stack:
 
         def poll() -> None:
             assert runner is not None
+            if id(runner) in self._killed:
+                return
             runner.poll()
             self._plan(runner, poll)
 
         runner = Runner(service, self.bus, self.scheduler.clock, wake=lambda: self.scheduler.soon(poll))
         self._plan(runner, poll)
         return runner
+
+    def kill(self, runner: Runner) -> None:
+        """Let a service do nothing any more, not even brake, as if its process had been killed."""
+        self._killed.add(id(runner))
 
     def _plan(self, runner: Runner, poll: Callable[[], None]) -> None:
         """Poll at the next deadline, once, however often the runner was polled before it."""

@@ -142,3 +142,16 @@ def test_time_in_a_stack_passes_as_asked() -> None:
     assert len(service.steps) == 100
     stack.run(5.0, done=lambda: len(service.steps) == 150)
     assert stack.now == pytest.approx(1.5)
+
+
+def test_a_killed_service_says_nothing_more_and_another_takes_its_place() -> None:
+    stack = Stack()
+    first, second = (Recorder(driver=0.02, required=(), optional=()) for _ in range(2))
+    runner = stack.add(first)
+    stack.run(1.0)
+    stack.kill(runner)
+    steps = len(first.steps)
+    assert steps > 0
+    stack.add(second)
+    stack.run(1.0)
+    assert len(first.steps) == steps and len(second.steps) > 0
