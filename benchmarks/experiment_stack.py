@@ -25,19 +25,57 @@ from services.wrench.parameters import WrenchParameters
 from services.wrench.wrench import Wrench
 from shared.clock import seconds
 from shared.codec import decode_map, encode_map
+from shared.runner import Runner
+from shared.service import Service
 from shared.stack import Stack
 
 LATENCY = 0.0005  # [s] of every message, about what the router takes
 LONGEST = 240.0  # [s] of simulated time for one run, settling included
 
 
-class Staged:
-    """A stack with an experiment on it.
+class Together:
+    """All services of a run in one process.
 
     Attributes:
         stack: the services.
-        experiment: that plays.
         simulator: the robot and what is around it.
+        runners: what runs each service, by its name.
+
+    Args:
+        run: which services, with which settings.
+        folder: where the services keep what outlives them.
+        darkroom: where the camera's pictures are rendered.
+    """
+
+    def __init__(self, run: Run, folder: Path, darkroom: Callable[[Sight], Darkroom] = OwnDarkroom) -> None:
+        self.stack = Stack(LATENCY)
+        self.runners: dict[str, Runner] = {}
+        settings = run.settings
+        self._task = TaskParameters.of(settings.get("task", {}))
+        self._folder = folder
+        self.simulator = Simulator(SimParameters.of(settings.get("sim", {})), darkroom)
+        self._add(self.simulator)
+        self._add(Wrench(WrenchParameters.of(settings.get("wrench", {})), folder))
+        self._add(Controller(ControllerParameters.of(settings.get("controller", {}))))
+        if "base" in run.further:
+            self._add(Base(BaseParameters.of(settings.get("base", {}))))
+        if "task" in run.further:
+            self.start_task()
+
+    def start_task(self) -> None:
+        """Start the task, or another one in place of one that was killed."""
+        clock = self.stack.scheduler.clock
+        self._add(Task(self._task, lambda: seconds(clock.now_ns()), self._folder))
+
+    def _add(self, service: Service) -> None:
+        self.runners[service.wiring.name] = self.stack.add(service)
+
+
+class Staged(Together):
+    """A stack with an experiment on it.
+
+    Attributes:
+        experiment: that plays.
 
     Args:
         play: which experiment.
@@ -49,18 +87,8 @@ class Staged:
     def __init__(
         self, play: Play, run: Run, folder: Path, darkroom: Callable[[Sight], Darkroom] = OwnDarkroom
     ) -> None:
-        self.stack = Stack(LATENCY)
+        super().__init__(run, folder, darkroom)
         clock = self.stack.scheduler.clock
-        settings = run.settings
-        self.simulator = Simulator(SimParameters.of(settings.get("sim", {})), darkroom)
-        self.stack.add(self.simulator)
-        self.stack.add(Wrench(WrenchParameters.of(settings.get("wrench", {})), folder))
-        self.stack.add(Controller(ControllerParameters.of(settings.get("controller", {}))))
-        if "base" in run.further:
-            self.stack.add(Base(BaseParameters.of(settings.get("base", {}))))
-        if "task" in run.further:
-            parameters = TaskParameters.of(settings.get("task", {}))
-            self.stack.add(Task(parameters, lambda: seconds(clock.now_ns()), folder))
         self.experiment: Experiment = play.experiment(run, self.stack.bus, clock, self._ask)
         self.stack.add(self.experiment)
 
