@@ -89,3 +89,34 @@ def test_refusals_are_one_line_with_status_2(
     assert main(arguments) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert all(part in line for part in parts), line
+
+
+def test_what_the_excess_follows_from_is_printed_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
+    """The stiffness bound of a tool turned by 90 degrees about x is that of a reach whose y and z have changed places."""
+    found = []
+    for reach, orientation in (
+        ("[1.2, 0.05, 0.3]", "0.7071068,0,0,0.7071068"),
+        ("[1.2, 0.3, 0.05]", "0,0,0,1"),
+    ):
+        given = [
+            "--set",
+            f"contact_reach={reach}",
+            "--set",
+            "yield_start=0.8",
+            f"--orientation={orientation}",
+        ]
+        assert main([*given, "--torque-limit", "0.5,3,3", "--torque-error", "0.03", "--json"]) == 0
+        found.append(json.loads(capsys.readouterr().out))
+    first, second = (np.array(one["moving"]["stiffness"]) for one in found)
+    assert first == pytest.approx(second, rel=1e-6)
+    assert first.shape == (1, 6, 6)
+    moving, speed = found[1]["moving"], found[1]["environment_speed"]
+    lasts = moving["response"] + speed / (2.0 * min(moving["acceleration"][:3]))
+    growth = np.linalg.norm(second[0][:, :3], axis=1) * speed * lasts
+    assert moving["factor"] * growth == pytest.approx([axis["excess"] for axis in found[1]["axes"]])
+
+
+@pytest.mark.parametrize("orientation", ["0,0,0,0", "0,0,1", "x"])
+def test_an_orientation_that_is_none_is_refused(orientation: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([f"--orientation={orientation}", "--json"]) == 2
+    assert "wanted a unit quaternion" in capsys.readouterr().err
