@@ -3,11 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,6 +11,7 @@ from matplotlib.figure import Figure
 from numpy.lib.stride_tricks import sliding_window_view
 
 from services.experiment.brakes import SETTLING
+from services.experiment.drawing import FAINT, INK, LIMIT_COLOUR
 from services.experiment.load.measures import Measures
 from services.experiment.load.protocol import RUNS
 from services.experiment.recording import Recording
@@ -28,28 +25,8 @@ COLOURS = dict(
 STYLES = dict(
     zip((run.name for run in RUNS), ("-", (0, (4, 1.5)), "-", (0, (1.5, 1)), (0, (6, 2, 1, 2))), strict=True)
 )
-LIMIT_COLOUR = "#B00020"
-INK, FAINT = "#222222", "#9A9A9A"
 WIDTH, HEIGHT = 7.4, 5.0  # [in]
 WINDOW = 0.3  # [s] of the mean and of the range that are drawn
-
-plt.rcParams.update(
-    {
-        "font.family": "DejaVu Sans",
-        "font.size": 9,
-        "axes.edgecolor": FAINT,
-        "axes.labelcolor": INK,
-        "axes.spines.top": False,
-        "axes.spines.right": False,
-        "axes.grid": True,
-        "grid.color": "#E4E4E4",
-        "grid.linewidth": 0.6,
-        "xtick.color": INK,
-        "ytick.color": INK,
-        "legend.frameon": False,
-        "svg.hashsalt": "tandem",
-    }
-)
 
 
 def draw_run(run: Run, recording: Recording, found: Measures) -> Figure:
@@ -108,15 +85,6 @@ def draw_lowering(
     height.set_xlim(-0.5, longest + 2.0)
     height.set_xlabel("time since the heavier bag [s]   (dot: the bag touches the ground)")
     return figure
-
-
-def save(figure: Figure, stem: Path) -> tuple[Path, Path]:
-    """Writes the figure as STEM.svg and STEM.png and closes it; returns both paths."""
-    paths = stem.with_suffix(".svg"), stem.with_suffix(".png")
-    figure.savefig(paths[0], metadata={"Date": None})
-    figure.savefig(paths[1], dpi=200)
-    plt.close(figure)
-    return paths
 
 
 def _panels() -> tuple[Figure, tuple[Axes, Axes]]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from services.experiment.brakes import SETTLING
 from services.experiment.disturbance import disturbances
+from services.experiment.drawing import save
 from services.experiment.film import FILM
 from services.experiment.load import figures
 from services.experiment.load.judge import LEAST_WAY, judge
@@ -84,11 +85,11 @@ def _draw(
     target.mkdir(exist_ok=True)
     drawn = [
         (
-            figures.save(figures.draw_comparison(runs, recordings), target / "comparison")[0],
+            save(figures.draw_comparison(runs, recordings), target / "comparison")[0],
             "All laws in the same test: load on the tool (mean over 0.3 s, pale: its range) and height of the tool.",
         ),
         (
-            figures.save(figures.draw_lowering(runs, recordings, measured), target / "lowering")[0],
+            save(figures.draw_lowering(runs, recordings, measured), target / "lowering")[0],
             "The same after the heavier bag: how each law lowers it and how it lands. Unsmoothed.",
         ),
     ]
@@ -99,7 +100,7 @@ def _draw(
             if measured[name].brakes
             else ""
         )
-        drawn.append((figures.save(figure, target / name)[0], caption))
+        drawn.append((save(figure, target / name)[0], caption))
     return drawn
 
 
