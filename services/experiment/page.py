@@ -33,6 +33,8 @@ pre { background: #f7f7f7; padding: .8rem 1rem; overflow-x: auto; }
 .wide { overflow-x: auto; }
 """
 
+_MEDIA = {".svg": "image/svg+xml", ".png": "image/png"}
+
 
 def page(
     title: str,
@@ -47,7 +49,7 @@ def page(
     commands: Sequence[str],
     settings: Mapping[str, Mapping[str, Mapping[str, Any]]],
 ) -> str:
-    """The whole page. Figures (SVG files) are embedded; films and CSV files are linked relative to `folder`."""
+    """The whole page. Figures (SVG or PNG files) are embedded; films and CSV files are linked relative to `folder`."""
     failed = sum(not claim.passed for claim in claims)
     verdict = (
         f"{len(claims)} of {len(claims)} claims hold."
@@ -109,7 +111,7 @@ def _claims(claims: Sequence[Claim]) -> str:
 def _figure(path: Path, caption: str) -> str:
     data = base64.b64encode(path.read_bytes()).decode()
     return (
-        f'<figure><img alt="{escape(caption)}" src="data:image/svg+xml;base64,{data}">'
+        f'<figure><img alt="{escape(caption)}" src="data:{_MEDIA[path.suffix]};base64,{data}">'
         f"<figcaption>{escape(caption)}</figcaption></figure>"
     )
 
