@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from services.experiment.carry.play import CARRY
 from services.experiment.course import ANSWER_WITHIN, Ask, Failed
 from services.experiment.experiment import Answered, Experiment
 from services.experiment.film import FILM, render
@@ -29,7 +30,7 @@ from shared.process import StopRequest
 from shared.runner import Runner
 
 NAME = "experiment"
-PLAYS = {play.name: play for play in (LOAD,)}
+PLAYS = {play.name: play for play in (LOAD, CARRY)}
 INCOMPLETE = (
     "incomplete.npz"  # what was recorded of a run that was not played to the end: nothing is judged by it
 )

@@ -41,10 +41,7 @@ def effort(motion: Motion, start: float, end: float) -> Effort:
     during = (motion.time >= start) & (motion.time < end)
     if during.sum() < 2:
         return Effort(*[float("nan")] * 7)
-    velocity = rate(motion.time, motion.hand)
-    turning = spin(motion.time, motion.panel_axes)
-    power = np.sum(motion.push * velocity, axis=1) + np.sum(motion.twist * turning, axis=1)
-    weight = 0.5 * PANEL_MASS * GRAVITY * velocity[:, 2]
+    power, weight = _powers(motion)
     guiding = during & np.isin(motion.doing, GUIDING)
     lasts = np.gradient(motion.time)
     forces, torques = (np.linalg.norm(values, axis=1) for values in (motion.push, motion.twist))
@@ -57,3 +54,18 @@ def effort(motion: Motion, start: float, end: float) -> Effort:
         lifting=float((weight * lasts)[during].sum()),
         guiding=float((np.maximum(power - weight, 0.0) * lasts)[guiding].sum()),
     )
+
+
+def guiding_work(motion: Motion) -> np.ndarray:
+    """`Effort.guiding` as it grows (n,) [J]."""
+    power, weight = _powers(motion)
+    spent = np.where(np.isin(motion.doing, GUIDING), np.maximum(power - weight, 0.0), 0.0)
+    return np.cumsum(spent * np.gradient(motion.time))
+
+
+def _powers(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Power (n,) [W] of the hands on the panel, and the part of it that half of the weight takes."""
+    velocity = rate(motion.time, motion.hand)
+    turning = spin(motion.time, motion.panel_axes)
+    power = np.sum(motion.push * velocity, axis=1) + np.sum(motion.twist * turning, axis=1)
+    return power, 0.5 * PANEL_MASS * GRAVITY * velocity[:, 2]

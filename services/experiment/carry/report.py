@@ -1,0 +1,135 @@
+"""Turns recordings of the carry into a folder: page, figures, CSV of every series, film, claims as JSON."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from services.experiment.carry import figures
+from services.experiment.carry.judge import judge
+from services.experiment.carry.measures import Measures, measure
+from services.experiment.carry.notes import notes
+from services.experiment.carry.protocol import (
+    BASES,
+    FORCE_LIMIT,
+    LAWS,
+    PANEL_MASS,
+    PANEL_SIZE,
+    RUNS,
+    SCRIPTS,
+    TORQUE_LIMIT,
+    run_named,
+)
+from services.experiment.disturbance import disturbances
+from services.experiment.drawing import save
+from services.experiment.film import FILM
+from services.experiment.page import page
+from services.experiment.recording import RECORDING, Recording
+from services.experiment.report import Report, measure_all, origin
+from services.experiment.run import Run
+
+STRIP = "strip.png"  # moments of the film side by side, if it was made
+
+
+def write(folder: Path, commands: Sequence[str] = ()) -> Report:
+    """Builds the report of all runs recorded under `folder` (one subfolder per run with its recording).
+
+    Args:
+        folder: where the runs lie and the page goes.
+        commands: how it was run, for the page.
+
+    Raises:
+        FileNotFoundError: no recording under `folder`.
+        ValueError: no run was played to the end.
+    """
+    runs = {run.name: run for run in _known() if (folder / run.name / RECORDING).exists()}
+    if not runs:
+        raise FileNotFoundError(f"{folder}: no recording of any run LAW-BASE (as in {RUNS[0].name})")
+    recordings = {name: Recording.load(folder / name / RECORDING) for name in runs}
+    measured, unfinished = measure_all(recordings, measure)
+    runs = {name: run for name, run in runs.items() if name in measured}
+    recordings = {name: recordings[name] for name in measured}
+    claims = judge(runs, measured)
+    problems = [*unfinished, *disturbances(measured)]
+
+    drawn = _draw(folder, runs, recordings, measured)
+    files = {name: recording.write_csv(folder / name / "csv") for name, recording in recordings.items()}
+    films = {name: folder / name / FILM for name in runs if (folder / name / FILM).exists()}
+    length, width, _ = PANEL_SIZE
+    index = folder / "index.html"
+    index.write_text(
+        page(
+            "The carry",
+            f"The simulated TIAGo finds a panel of {length:g} m by {width:g} m and {PANEL_MASS:g} kg, grasps it, and "
+            "carries it together with a simulated person, who guides the robot with it, turns it upright and sets it "
+            "down.",
+            claims,
+            drawn,
+            {
+                f"{runs[name].title}: what was recorded of robot, panel and person, rendered": path
+                for name, path in films.items()
+            },
+            {
+                **origin(recordings),
+                "panel": f"{' x '.join(f'{size:g}' for size in PANEL_SIZE)} m, {PANEL_MASS:g} kg",
+                "force limits": f"{', '.join(f'{limit:g}' for limit in FORCE_LIMIT)} N along x, y, z",
+                "torque limits": f"{', '.join(f'{limit:g}' for limit in TORQUE_LIMIT)} Nm about x, y, z",
+            },
+            files,
+            folder,
+            [*problems, *notes(measured)],
+            commands,
+            {name: recording.meta["settings"] for name, recording in recordings.items()},
+        ),
+        encoding="utf-8",
+    )
+    summary = {
+        "claims": [dataclasses.asdict(claim) for claim in claims],
+        "measures": {name: dataclasses.asdict(found) for name, found in measured.items()},
+        "problems": problems,
+    }
+    (folder / "claims.json").write_text(json.dumps(summary, indent=2), encoding="utf-8")
+    return Report(index, claims, problems, unfinished)
+
+
+def _known() -> list[Run]:
+    """Every run that there is, those that are played by default first."""
+    names = [f"{law}-{base}" for law in LAWS for base in BASES]
+    return [*RUNS, *(run_named(name) for name in names if name not in {run.name for run in RUNS})]
+
+
+def _draw(
+    folder: Path,
+    runs: Mapping[str, Run],
+    recordings: Mapping[str, Recording],
+    measured: Mapping[str, Measures],
+) -> list[tuple[Path, str]]:
+    target = folder / "figures"
+    target.mkdir(exist_ok=True)
+    drawn = [
+        (folder / name / STRIP, f"{run.title}: moments of the carry.")
+        for name, run in runs.items()
+        if (folder / name / STRIP).exists()
+    ]
+    walked = {name: run for name, run in runs.items() if SCRIPTS[name.rpartition("-")[2]] == SCRIPTS["omni"]}
+    if len(walked) > 1:
+        figure = figures.draw_comparison(walked, recordings, measured)
+        drawn.append(
+            (
+                save(figure, target / "comparison")[0],
+                "The laws with the same script. From above: the largest share of a limit on any axis (the largest "
+                "within 0.3 s), the force of the person's hands, and the person's work while guiding the robot, "
+                f"without half of the panel's weight. The parts named are those of {next(iter(walked))}.",
+            )
+        )
+    for name, run in runs.items():
+        for kind, draw, caption in (
+            ("wrench", figures.draw_wrench, "force and torque at the tool, in base axes, every sample."),
+            ("paths", figures.draw_paths, "base, tool and hands from above, and the panel at some moments."),
+            ("heights", figures.draw_heights, "heights of the panel's ends, and how it is turned."),
+        ):
+            figure = draw(run, recordings[name], measured[name])
+            drawn.append((save(figure, target / f"{name}-{kind}")[0], f"{run.title}: {caption}"))
+    return drawn
