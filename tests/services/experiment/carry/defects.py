@@ -1,0 +1,130 @@
+"""What can go wrong in a carry: each takes a copy of a good recording, and spoils it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from services.experiment.recording import Recording
+
+Defect = Callable[[Recording], None]
+
+
+def when(recording: Recording, state: str) -> float:
+    """Time [s] at which the task came to a state."""
+    event = recording.event(state)
+    assert event is not None
+    return event.time
+
+
+def during(recording: Recording, topic: str, start: float, end: float) -> np.ndarray:
+    time = recording.time(topic)
+    return (time >= start) & (time < end)
+
+
+def add(topic: str, name: str, value: tuple[float, ...], start: float, end: float) -> Defect:
+    """Something is added to a series for a time [s]."""
+
+    def spoil(recording: Recording) -> None:
+        recording.topics[topic][name][during(recording, topic, start, end)] += value
+
+    return spoil
+
+
+def lost(recording: Recording) -> None:
+    """The fingers slip in the middle of the carry, and the robot's end of the panel falls."""
+    at = 30.0
+    gripper, world = recording.topics["state/gripper"], recording.topics["sim/world"]
+    gripper["holding"][gripper["time"] > at] = False
+    after = world["time"] > at
+    fallen = np.minimum(0.5 * 9.81 * (world["time"][after] - at) ** 2, 0.8)
+    world["panel.position"][after, 2] -= fallen / 2
+    tilted(recording, 30.0, at, np.inf)
+
+
+def slipped_unseen(recording: Recording) -> None:
+    """The robot's end falls by a decimetre, and the gripper says that it holds."""
+    world = recording.topics["sim/world"]
+    fall = np.clip(world["time"] - 30.0, 0.0, 0.1)[:, None]
+    world["panel.position"] -= fall * (0.0, 0.0, 1.0)
+
+
+def let_go_early(recording: Recording) -> None:
+    """The gripper opens while the panel is still on its way down."""
+    gripper = recording.topics["state/gripper"]
+    gripper["holding"][gripper["time"] > when(recording, "releasing") - 3.0] = False
+
+
+def let_go_above(recording: Recording) -> None:
+    """The task takes the panel to be on the ground when it is 2 cm above it."""
+    add("sim/world", "panel.position", (0.0, 0.0, 0.02), when(recording, "releasing"), np.inf)(recording)
+
+
+def let_go_loaded(recording: Recording) -> None:
+    """The gripper opens while it still carries most of the weight."""
+    add("wrench/external", "force", (0.0, 0.0, -13.0), when(recording, "releasing"), np.inf)(recording)
+
+
+def never_let_go(recording: Recording) -> None:
+    """The gripper goes on holding the panel."""
+    gripper = recording.topics["state/gripper"]
+    gripper["holding"][gripper["time"] > 20.0] = True
+
+
+def stuck(recording: Recording) -> None:
+    """The task goes on carrying for ever."""
+    status = recording.topics["task/status"]
+    status["state"][status["time"] > 20.0] = "carrying"
+
+
+def tilted(recording: Recording, degrees: float = 20.0, start: float = 30.0, end: float = 31.0) -> None:
+    """The panel's long axis is far off the horizontal."""
+    world = recording.topics["sim/world"]
+    then = during(recording, "sim/world", start, end)
+    turned = Rotation.from_euler("y", -degrees, degrees=True) * Rotation.from_quat(
+        world["panel.orientation"][then]
+    )
+    world["panel.orientation"][then] = turned.as_quat()
+
+
+def not_turned(recording: Recording) -> None:
+    """The panel is turned by three quarters of what the person wants."""
+    world = recording.topics["sim/world"]
+    axes = Rotation.from_quat(world["panel.orientation"])
+    roll = np.arctan2(axes.as_matrix()[:, 2, 1], axes.as_matrix()[:, 2, 2])
+    back = Rotation.from_rotvec(np.outer(-0.25 * roll, (1.0, 0.0, 0.0)))
+    world["panel.orientation"] = (axes * back).as_quat()
+
+
+def held_back(recording: Recording) -> None:
+    """The far end gets four fifths of the way that the person wants."""
+    world = recording.topics["sim/world"]
+    start = world["hand.position"][0].copy()
+    world["hand.position"][:, :2] = start[:2] + 0.8 * (world["hand.position"] - start)[:, :2]
+
+
+def base_stands(recording: Recording) -> None:
+    """The base does not move."""
+    recording.topics["state/base"]["position"][:] = 0.0
+
+
+def base_is_late(recording: Recording) -> None:
+    """The base answers after a second only."""
+    recording.topics["state/base"]["time"] = recording.topics["state/base"]["time"] + 1.0
+
+
+def topples(recording: Recording) -> None:
+    """The panel falls over after everybody has let go."""
+    world = recording.topics["sim/world"]
+    then = world["time"] > world["time"][-1] - 2.0
+    lying = Rotation.from_quat(world["panel.orientation"][then]) * Rotation.from_euler(
+        "x", -80.0, degrees=True
+    )
+    world["panel.orientation"][then] = lying.as_quat()
+
+
+def pushed_away(recording: Recording) -> None:
+    """The panel slides when the person lets go."""
+    add("sim/world", "panel.position", (0.0, 0.05, 0.0), when(recording, "done"), np.inf)(recording)
