@@ -18,8 +18,8 @@ def notes(measured: Mapping[str, Measures]) -> list[str]:
     return [
         "The limits are promised while the person and the base rest: while the hands move at most "
         f"{1e3 * REST_SPEED:.0f} mm/s and {REST_TURNING:g} rad/s relative to the base. While they move, nothing can "
-        "keep a limit by itself; the excess that the motion accounts for is 3 |Kbar u| (D + u/2a), axis by axis, with "
-        "Kbar, D and a as `tandem certify` has them. The 3 is measured, not proven.",
+        "keep a limit by itself; the excess that the motion accounts for is c |Kbar u| (D + u/2a), axis by axis, with "
+        "c, Kbar, D and a as `tandem certify` has them. c is measured, not proven.",
         "u is the motion of the person's hands as the simulation knows it, relative to the base and taken at the tool, "
         f"in all six directions, the fastest from {BEFORE:g} s before a sample to {AFTER:g} s after it. What the base "
         "moves is in it: a person with whom the base keeps pace does not move relative to it.",

@@ -92,7 +92,7 @@ def test_refusals_are_one_line_with_status_2(
 
 
 def test_what_the_excess_follows_from_is_printed_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
-    """The stiffness bound of a tool turned by 90 degrees about x is that of a reach whose y and z have changed places."""
+    """The stiffness bound of a tool turned by 90 degrees about x is that of a reach with y and z exchanged."""
     found = []
     for reach, orientation in (
         ("[1.2, 0.05, 0.3]", "0.7071068,0,0,0.7071068"),
