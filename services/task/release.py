@@ -18,8 +18,11 @@ RELEASE_HEIGHT = 0.04  # [m]
 RELEASE_FORCE = -2.5  # [N]: the ground carries the panel
 RELEASE_AFTER = 1.0  # [s], leaky
 FORCE_FILTER = 0.1  # [s]
+DIP = math.radians(20.0)
+"""Largest pitch [rad] that points down. It need not be close: a near end that is up shows in the tool's height. A panel
+that has turned between the fingers, while the person brought his end down first, leaves the tool like that."""
 PRESS_FORCE, PRESS_DEPTH = -1.0, 0.01  # [N], [m]: how the probe sets the panel down
-"""All of them: CARRY 5."""
+"""All of them but DIP: CARRY 5."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +31,7 @@ class Stance:
 
     Attributes:
         roll: about its own x axis since the grasp [rad].
-        pitch: [rad].
+        pitch: [rad]; positive points the panel's far end down.
         height: above where it is with the turned panel on the ground [m].
         speed: [m/s].
         turning: [rad/s].
@@ -97,7 +100,7 @@ def why_no_probe(stance: Stance) -> list[str]:
     return _missing(
         (stance.off_quarter <= PROBE_ROLL, f"turned by {_deg(abs(stance.roll))} of 90 degrees"),
         (stance.height < PROBE_HEIGHT, f"{stance.height * 100:.0f} cm above the ground"),
-        (abs(stance.pitch) < PROBE_PITCH, f"tilted by {_deg(abs(stance.pitch))} degrees"),
+        (-PROBE_PITCH < stance.pitch < DIP, f"tilted by {_deg(abs(stance.pitch))} degrees"),
         (stance.speed < PROBE_SPEED and stance.turning < PROBE_TURNING, "still moving"),
     )
 
@@ -107,7 +110,7 @@ def why_no_release(stance: Stance, force: float) -> list[str]:
     return _missing(
         (stance.off_quarter <= RELEASE_ROLL, f"turned by {_deg(abs(stance.roll))} of 90 degrees"),
         (stance.height < RELEASE_HEIGHT, f"{stance.height * 100:.0f} cm above the ground"),
-        (abs(stance.pitch) < RELEASE_PITCH, f"tilted by {_deg(abs(stance.pitch))} degrees"),
+        (-RELEASE_PITCH < stance.pitch < DIP, f"tilted by {_deg(abs(stance.pitch))} degrees"),
         (force > RELEASE_FORCE, f"the robot still carries {-force:.1f} N"),
     )
 

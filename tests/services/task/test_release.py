@@ -38,8 +38,8 @@ NOT_PROBED = {
     "not turned far enough": {"roll": math.radians(74)},
     "turned too far": {"roll": math.radians(106)},
     "too high": {"height": 0.06},
-    "tilted": {"pitch": math.radians(7.5)},
-    "tilted down": {"pitch": math.radians(-7.5)},
+    "far end up": {"pitch": math.radians(-7.5)},
+    "far end far down": {"pitch": math.radians(20.5)},
     "moving": {"speed": 0.04},
     "turning": {"turning": 0.04},
 }
@@ -54,7 +54,8 @@ def test_every_condition_of_the_probe_counts(name: str) -> None:
 NOT_RELEASED = {
     "not turned": {"roll": math.radians(70)},
     "too high": {"height": 0.045},
-    "tilted": {"pitch": math.radians(6.5)},
+    "far end up": {"pitch": math.radians(-6.5)},
+    "far end far down": {"pitch": math.radians(20.5)},
     "carried by the robot": {"force": -3.0},
 }
 
@@ -63,6 +64,13 @@ NOT_RELEASED = {
 def test_every_condition_of_the_release_counts(name: str) -> None:
     stance = replace(STANDING, **NOT_RELEASED[name])
     assert not releases(stance) and len(why_no_release(stance, stance.force)) == 1
+
+
+def test_a_tool_that_points_down_does_not_keep_a_panel_that_stands() -> None:
+    """The panel turned between the fingers: the tool's height says that its near end is down."""
+    assert probes(replace(STANDING, pitch=math.radians(12))) and releases(
+        replace(STANDING, pitch=math.radians(12))
+    )
 
 
 def test_a_person_s_word_replaces_the_pose_but_not_the_force() -> None:
