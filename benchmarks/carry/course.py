@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from benchmarks.carry.cases import Case
 from services.experiment.carry.sequence import CarrySequence
 from services.experiment.course import Ask
@@ -11,6 +13,9 @@ from shared import topics
 
 PATIENCE = 12.0
 """Time [s] for which he waits with the panel on the ground before he says so."""
+
+
+NOTE_EVERY = 1.0  # [s]
 
 
 class SweepCourse(CarrySequence):
@@ -24,12 +29,15 @@ class SweepCourse(CarrySequence):
         super().__init__(case.run)
         self._script = case.script
         self._waiting_since: float | None = None
+        self._said = ""
+        self._said_at = 0.0
         self.told = False
 
     def _place(self, now: float, _seen: Seen) -> list[Ask]:
         return self.ask(now, Ask(topics.SIM_COMMAND, {"command": "hand", "script": self._script}))
 
     def _play(self, now: float, seen: Seen) -> list[Ask]:
+        self._note(now, seen.reason)
         waits = seen.doing == "wait" and seen.task == "carrying"
         if not waits:
             self._waiting_since = None
@@ -45,3 +53,10 @@ class SweepCourse(CarrySequence):
         """One step further; saying `release` is none."""
         if ask.request.get("command") != "release":
             super().accepted(ask, sent, now)
+
+    def _note(self, now: float, reason: str) -> None:
+        """Keep what the task says, once a second at most; a number that changes is nothing new."""
+        words = re.sub(r"[-\d.]+", "", reason)
+        if words != self._said and now - self._said_at > NOTE_EVERY:
+            self._said, self._said_at = words, now
+            self.events.append(Event(now, "says", reason))
