@@ -66,9 +66,7 @@ def held(recording: Recording, motion: Motion) -> Held:
 def fastest_descent(motion: Motion, start: float) -> float:
     """The fastest that either end of the panel went down [m/s] from a time [s] on, from one sample to the next."""
     since = motion.time >= start
-    heights, time = motion.ends[since, :, 2], motion.time[since]
-    if len(time) < 2:
-        return 0.0
+    heights, time = motion.ends[since, :, 2], motion.sampled[since]
     return float(np.max(-np.diff(heights, axis=0) / np.diff(time)[:, None], initial=0.0))
 
 

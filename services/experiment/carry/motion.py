@@ -19,7 +19,8 @@ class Motion:
     """World axes are those of base_footprint at the start; the person holds the panel's +x end, the robot the other.
 
     Attributes:
-        time: (n,) [s].
+        time: (n,) [s] of arrival.
+        sampled: (n,) [s] by the simulation's own clock, free of delays on the way.
         doing: (n,) what the person is about.
         panel, panel_axes: its centre (n, 3) [m] and its axes as columns (n, 3, 3).
         hand: (n, 3) [m] where the person's hands are.
@@ -29,6 +30,7 @@ class Motion:
     """
 
     time: np.ndarray
+    sampled: np.ndarray
     doing: np.ndarray
     panel: np.ndarray
     panel_axes: np.ndarray
@@ -56,6 +58,7 @@ class Motion:
         attitude = rotations(recording.series(arm, "orientation")[newest])
         return cls(
             time=time,
+            sampled=recording.series(world, "message_time"),
             doing=recording.series(world, "hand.doing"),
             panel=recording.series(world, "panel.position"),
             panel_axes=rotations(recording.series(world, "panel.orientation")),

@@ -46,6 +46,13 @@ class TestCarry:
     def test_a_good_one_passes_every_claim(self, carried: Recording) -> None:
         assert failed(measure(carried)) == []
 
+    def test_messages_that_arrive_in_bunches_are_no_fall(self, carried: Recording) -> None:
+        recording = copy.deepcopy(carried)
+        world = recording.topics[WORLD]
+        late = np.ceil(world["time"] / 0.15) * 0.15
+        world["time"] = late + 1e-4 * np.arange(len(late))
+        assert "never drops the panel" not in failed(measure(recording))
+
     @pytest.mark.parametrize(
         ("defect", "claims"),
         [

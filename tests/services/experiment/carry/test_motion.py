@@ -23,6 +23,7 @@ def motion(base: Array, hand: Array, axes: Rotation) -> Motion:
     count = len(TIME)
     return Motion(
         time=TIME,
+        sampled=TIME,
         doing=np.full(count, "move"),
         panel=np.zeros((count, 3)),
         panel_axes=(heading * axes).as_matrix(),
