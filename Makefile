@@ -51,8 +51,8 @@ $(BENCH_READY): $(READY) $(REQUIREMENTS)/bench.txt
 	@$(call install,bench)
 	@touch $@
 
-demo: $(READY) ## the paper's load experiment with real processes, in real time
-	@$(BIN)/tandem run load
+demo: $(READY) ## robot and person carry a panel, with real processes, in real time
+	@$(BIN)/tandem run carry
 
 test: $(READY) ## every test
 	@$(BIN)/python -m pytest $(PYTEST_ARGS)
