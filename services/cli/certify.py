@@ -34,7 +34,7 @@ def certify(
     """Certified speeds, worst excess and what limits them, for the running controller or for given options.
 
     Further options are those of python -m services.controller.certify: --config, --set, --force-limit,
-    --torque-limit, --force-error, --torque-error, --environment-speed, --json.
+    --torque-limit, --force-error, --torque-error, --environment-speed, --orientation, --json.
     """
     given = list(context.args)
     chosen = any(argument.startswith(("--config", "--set")) for argument in given)

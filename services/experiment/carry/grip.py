@@ -52,13 +52,20 @@ class Release:
     leaning: float
 
 
-def held(recording: Recording, motion: Motion) -> Held:
-    """When the gripper held the panel: from its first grasp until it did not hold any more."""
+def held(recording: Recording, carrying: float) -> Held:
+    """When the gripper held the panel: from its grasp until it did not hold any more.
+
+    Args:
+        recording: of the run.
+        carrying: when the task began to carry [s]: closing, the fingers may touch and lose the panel until then.
+    """
     key = topics.STATE_GRIPPER.key
     time, holding = recording.time(key), recording.series(key, "holding").astype(bool)
     if not holding.any():
         return Held(float("nan"), float("nan"))
-    first = int(np.argmax(holding))
+    lost = np.flatnonzero(~holding & (time < carrying))
+    first = int(lost[-1]) + 1 if len(lost) else 0
+    first += int(np.argmax(holding[first:]))
     loose = np.flatnonzero(~holding[first:])
     return Held(float(time[first]), float(time[first + loose[0]]) if len(loose) else float("nan"))
 

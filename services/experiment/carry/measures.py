@@ -66,8 +66,8 @@ def measure(recording: Recording) -> Measures:
     if recording.event("end") is None:
         raise ValueError(f"run {name}: the recording has no event 'end': the run did not finish")
     motion = Motion.of(recording)
-    span = held(recording, motion)
     states, reason = task_states(recording)
+    span = held(recording, dict(reversed(states)).get("carrying", float("inf")))
     if not np.isfinite(span.start):
         raise ValueError(
             f"run {name}: the gripper never held the panel; the task was {states[-1][0]}: {reason}"

@@ -67,6 +67,13 @@ def let_go_loaded(recording: Recording) -> None:
     add("wrench/external", "force", (0.0, 0.0, -13.0), when(recording, "releasing"), np.inf)(recording)
 
 
+def touched_before(recording: Recording) -> None:
+    """No defect: closing, the fingers touch the panel and lose it again before they hold it."""
+    gripper = recording.topics["state/gripper"]
+    grasped = int(np.argmax(gripper["holding"]))
+    gripper["holding"][grasped - 4 : grasped - 2] = True
+
+
 def never_let_go(recording: Recording) -> None:
     """The gripper goes on holding the panel."""
     gripper = recording.topics["state/gripper"]

@@ -119,6 +119,11 @@ class TestCarry:
         states[6:6] = [("releasing", 50.0), ("carrying", 51.0)]
         assert failed(dataclasses.replace(found, states=tuple(states))) == []
 
+    def test_fingers_that_touch_the_panel_before_they_hold_it_have_not_dropped_it(
+        self, carried: Recording
+    ) -> None:
+        assert failed(measure(spoilt(carried, defects.touched_before))) == []
+
     def test_a_carry_that_was_broken_off_is_refused_by_name(self, carried: Recording) -> None:
         short = copy.deepcopy(carried)
         short.events = [event for event in short.events if event.name != "end"]
