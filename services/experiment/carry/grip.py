@@ -61,10 +61,10 @@ def held(recording: Recording, carrying: float) -> Held:
     """
     key = topics.STATE_GRIPPER.key
     time, holding = recording.time(key), recording.series(key, "holding").astype(bool)
-    if not holding.any():
-        return Held(float("nan"), float("nan"))
     lost = np.flatnonzero(~holding & (time < carrying))
     first = int(lost[-1]) + 1 if len(lost) else 0
+    if not holding[first:].any():
+        return Held(float("nan"), float("nan"))
     first += int(np.argmax(holding[first:]))
     loose = np.flatnonzero(~holding[first:])
     return Held(float(time[first]), float(time[first + loose[0]]) if len(loose) else float("nan"))
