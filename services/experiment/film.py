@@ -10,6 +10,8 @@ from pathlib import Path
 from services.experiment.recording import RECORDING, Recording
 
 FILM = "scene.mp4"
+STRIP = "strip.png"
+"""Stills that the renderer puts beside the film of a carry."""
 PATIENCE = 300.0  # [s]
 
 

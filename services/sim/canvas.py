@@ -12,6 +12,7 @@ from services.sim.kinematics import TOOL_FRAME, URDF
 from shared.spatial import Array, quaternion
 
 Picture = NDArray[np.uint8]
+Mask = NDArray[np.bool_]
 Colour = tuple[float, float, float, float]
 Matrix = tuple[float, ...]
 """Of the renderer: 16 numbers, column by column."""
@@ -80,7 +81,7 @@ class Canvas:
         state = pybullet.getLinkState(self._robot, self._tool, computeForwardKinematics=True, **self.on)
         return state[4]
 
-    def render(self, width: int, height: int, view: Matrix, projection: Matrix) -> tuple[Picture, Array]:
+    def render(self, width: int, height: int, view: Matrix, projection: Matrix) -> tuple[Picture, Mask]:
         """The picture (height, width, 3) in red, green, blue, and where nothing is in it (height, width)."""
         _, _, pixels, depth, _ = pybullet.getCameraImage(
             width,

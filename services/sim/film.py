@@ -1,145 +1,53 @@
 """Renders a recorded run to a short film: ``python -m services.sim.film RECORDING.npz OUT.mp4``.
 
-The recording holds ``time`` (N,) [s], ``joint_names`` (n,), ``joint_positions`` (N, n) [m, rad], ``bag_mass`` (N,)
-[kg], ``bag_height`` (N,) [m], ``force_z`` (N,) [N] as measured at the tool, and ``limit_z`` [N], one number or (N,).
+What the recording has to hold depends on its ``scene``, "load" or "carry": see ``load_film.py`` and ``carry_run.py``. A
+carry gets ``strip.png`` beside the film as well.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import imageio.v2 as imageio
 import numpy as np
-from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
 
-from services.sim.scene import Scene
+from services.sim import carry_film, load_film
+from services.sim.canvas import Picture
+from services.sim.carry_run import CarryRun
+from services.sim.load_film import LoadRun
 from shared.config import Misconfigured, OneLineParser, complain
-from shared.spatial import Array
 
-Picture = NDArray[np.uint8]
-
-WIDTH, HEIGHT = 640, 480
-OVERSAMPLING = 1.5
-"""The renderer draws hard edges; a larger picture made smaller has soft ones."""
-_INK, _PALE, _CALM, _OVER = (40, 44, 52), (214, 217, 222), (46, 125, 90), (200, 60, 45)
-_SMOOTHING = 0.1
-"""Time [s] over which the force on the scale is averaged, so that it can be read."""
+STRIP = "strip.png"
 
 
-@dataclass(frozen=True)
-class Run:
-    """A recorded run, sampled at common times (N,)."""
+def load(path: Path) -> LoadRun | CarryRun:
+    """Read a recording.
 
-    time: Array
-    joint_names: tuple[str, ...]
-    joint_positions: Array
-    bag_mass: Array
-    bag_height: Array
-    force_z: Array
-    limit_z: Array
-
-    @classmethod
-    def load(cls, path: Path) -> Run:
-        """Read a recording.
-
-        Raises:
-            Misconfigured: if the file is missing or does not hold what a film needs; one line.
-        """
-        try:
-            with np.load(path, allow_pickle=False) as archive:
-                data = {name: archive[name] for name in cls.__dataclass_fields__}
-        except OSError as problem:
-            raise Misconfigured(f"{path}: {problem.strerror or problem}") from None
-        except (KeyError, ValueError) as problem:
-            raise Misconfigured(f"{path}: no recording of a run ({problem})") from None
-        names = tuple(str(name) for name in data.pop("joint_names"))
-        rows = len(data["time"])
-        data["limit_z"] = np.broadcast_to(data["limit_z"], rows)
-        if rows < 2 or any(len(column) != rows for column in data.values()):
-            lengths = ", ".join(f"{name} {len(column)}" for name, column in data.items())
-            raise Misconfigured(f"{path}: wanted series of one length, at least 2, got {lengths}")
-        if data["joint_positions"].shape != (rows, len(names)):
-            shape = data["joint_positions"].shape
-            raise Misconfigured(f"{path}: joint_positions has shape {shape}, wanted {(rows, len(names))}")
-        return cls(joint_names=names, **data)
-
-    def row(self, time: float) -> int:
-        """Row of the newest sample at a time [s]."""
-        return max(0, int(np.searchsorted(self.time, time, side="right")) - 1)
-
-    def load_on_tool(self, time: float) -> float:
-        """Downward force [N] at the tool, averaged over the last instants."""
-        rows = slice(self.row(time - _SMOOTHING), self.row(time) + 1)
-        return float(-np.nanmean(self.force_z[rows]))
-
-
-def frames(run: Run, rate: float, speed: float) -> Iterator[Picture]:
-    """Pictures (HEIGHT, WIDTH, 3) of a run at ``rate`` [1/s of film], ``speed`` times as fast as it happened."""
-    scene = Scene(round(WIDTH * OVERSAMPLING), round(HEIGHT * OVERSAMPLING))
-    scale = _Scale(float(np.nanmax(np.abs(run.limit_z))), speed)
+    Raises:
+        Misconfigured: if the file is missing or does not hold what a film needs; one line.
+    """
     try:
-        for time in np.arange(run.time[0], run.time[-1], speed / rate):
-            row = run.row(time)
-            hangs = run.bag_mass[row] > 0.0 and np.isfinite(run.bag_height[row])
-            joints = dict(zip(run.joint_names, run.joint_positions[row].tolist(), strict=True))
-            scene.pose(joints, float(run.bag_height[row]) if hangs else None)
-            picture = Image.fromarray(scene.picture()).resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
-            scale.draw(picture, time - run.time[0], run.load_on_tool(time), float(run.limit_z[row]))
-            column, line = scene.pixel(scene.tool())
-            _arrow(picture, column / OVERSAMPLING, line / OVERSAMPLING, run.load_on_tool(time))
-            yield np.asarray(picture)
-    finally:
-        scene.close()
+        with np.load(path, allow_pickle=False) as archive:
+            data = {name: archive[name] for name in archive.files}
+        return CarryRun(data) if str(data["scene"]) == "carry" else LoadRun.of(data)
+    except Misconfigured as problem:
+        raise Misconfigured(f"{path}: {problem}") from None
+    except OSError as problem:
+        raise Misconfigured(f"{path}: {problem.strerror or problem}") from None
+    except (KeyError, ValueError) as problem:
+        raise Misconfigured(f"{path}: no recording of a run ({problem})") from None
 
 
-class _Scale:
-    """A vertical scale of the load with its limit, and the time."""
-
-    def __init__(self, limit: float, speed: float) -> None:
-        self._full = 1.6 * limit
-        self._speed = speed
-        self._font = ImageFont.load_default(15)
-        self._large = ImageFont.load_default(20)
-
-    def draw(self, picture: Image.Image, time: float, load: float, limit: float) -> None:
-        pen = ImageDraw.Draw(picture)
-        left, right, top, bottom = WIDTH - 74, WIDTH - 50, 70, HEIGHT - 60
-        level = bottom - (bottom - top) * min(max(load / self._full, 0.0), 1.0)
-        mark = bottom - (bottom - top) * limit / self._full
-        pen.rectangle((left, top, right, bottom), fill=(246, 247, 249), outline=_PALE, width=2)
-        colour = _OVER if load > limit else _CALM
-        pen.rectangle((left + 2, min(level, bottom - 2), right - 2, bottom - 2), fill=colour)
-        pen.line((left - 10, mark, right + 10, mark), fill=_INK, width=2)
-        pen.text((left - 14, mark), f"limit {limit:.0f} N", _INK, self._font, anchor="rm")
-        pen.text(((left + right) / 2, top - 12), f"{load:.1f} N", _INK, self._large, anchor="mb")
-        pen.text(((left + right) / 2, bottom + 10), "load on the tool", _INK, self._font, anchor="ma")
-        fast = "" if self._speed == 1.0 else f"   {self._speed:g} x as fast"
-        pen.text((18, 18), f"{time:.1f} s{fast}", _INK, self._large)
-
-
-def _arrow(picture: Image.Image, column: float, row: float, load: float) -> None:
-    """An arrow from the tool in the direction of the load, 3 px/N."""
-    if abs(load) < 1.0:
-        return
-    pen = ImageDraw.Draw(picture)
-    tip = row + 3.0 * load
-    wing = 7.0 if load > 0 else -7.0
-    pen.line((column, row, column, tip - wing), fill=_OVER, width=3)
-    pen.polygon(((column, tip), (column - 6, tip - 1.6 * wing), (column + 6, tip - 1.6 * wing)), fill=_OVER)
-
-
-def write(run: Run, path: Path, rate: float, speed: float) -> int:
-    """Write the film (MP4, H.264); returns the number of its pictures."""
+def write(pictures: Iterable[Picture], path: Path, rate: float) -> int:
+    """Write a film (MP4, H.264) of ``rate`` pictures a second; returns how many there are."""
     count = 0
-    writer: Any = imageio.get_writer(path, fps=rate, codec="libx264", quality=7, macro_block_size=8)
+    writer: Any = imageio.get_writer(path, fps=rate, codec="libx264", quality=7, macro_block_size=4)
     with writer as film:
-        for picture in frames(run, rate, speed):
+        for picture in pictures:
             film.append_data(picture)
             count += 1
     return count
@@ -154,10 +62,16 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--speed", type=_positive, default=3.0, help="how many times faster than it happened")
     try:
         options = parser.parse_args(arguments)
-        run = Run.load(options.recording)
-        if not options.film.parent.is_dir():
-            raise Misconfigured(f"{options.film.parent}: no such folder; make it first")
-        count = write(run, options.film, options.rate, options.speed)
+        run = load(options.recording)
+        folder = options.film.parent
+        if not folder.is_dir():
+            raise Misconfigured(f"{folder}: no such folder; make it first")
+        if isinstance(run, CarryRun):
+            imageio.imwrite(folder / STRIP, carry_film.strip(run))
+            pictures = carry_film.frames(run, options.rate, options.speed)
+        else:
+            pictures = load_film.frames(run, options.rate, options.speed)
+        count = write(pictures, options.film, options.rate)
     except Misconfigured as problem:
         return complain("film", problem)
     print(f"{options.film}: {count} pictures, {count / options.rate:.0f} s")

@@ -20,6 +20,7 @@ def film_data(recording: Recording, path: Path) -> None:
     newest = np.clip(np.searchsorted(bag_time, time, side="right") - 1, 0, len(bag_time) - 1)
     np.savez_compressed(
         path,
+        scene="load",
         time=time,
         joint_names=recording.series(joints, "name")[0],
         joint_positions=recording.series(joints, "position")[shown],

@@ -1,4 +1,4 @@
-"""Films of recorded runs."""
+"""The film of the load experiment, and recordings that no film can be made of."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ import imageio.v2 as imageio
 import numpy as np
 import pytest
 
-from services.sim.film import HEIGHT, WIDTH, main
+from services.sim.film import main
 from services.sim.kinematics import CHAIN, HOME
+from services.sim.load_film import HEIGHT, WIDTH
 from services.sim.scene import Scene
 
 
@@ -18,6 +19,7 @@ def recording(path: Path, **changes: object) -> Path:
     joints = np.tile([HOME[name] for name in CHAIN], (rows, 1))
     joints[:, 0] -= np.linspace(0, 0.3, rows)
     data = {
+        "scene": "load",
         "time": np.linspace(0, 4, rows),
         "joint_names": np.array(CHAIN),
         "joint_positions": joints,
@@ -60,6 +62,7 @@ def test_the_tool_appears_where_the_camera_says() -> None:
     ("changes", "says"),
     [
         ({"force_z": None}, "no recording of a run"),
+        ({"scene": "carry"}, "no recording of a run"),
         ({"force_z": np.zeros(3)}, "series of one length"),
         ({"joint_positions": np.zeros((40, 2))}, "joint_positions has shape (40, 2), wanted (40, 8)"),
     ],
