@@ -1,17 +1,17 @@
-"""The sweep: ``python -m benchmarks.carry [--seeds FIRST-LAST] [--jobs N] [--kind KIND] [--seed N]``."""
+"""The sweep: ``python -m benchmarks.carry [--seeds FIRST-LAST] [--jobs N] [--kind KIND] [--seed N] [--set ...]``."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from multiprocessing import get_context
 
-from benchmarks.carry.cases import KINDS, Case, case
+from benchmarks.carry.cases import KINDS, Case, Changes, case
 from benchmarks.carry.judge import Verdict
 from benchmarks.carry.play import play, verdict_of
 from benchmarks.carry.report import line, show, trace
@@ -19,10 +19,10 @@ from benchmarks.carry.report import line, show, trace
 SEEDS = "0-119"
 
 
-def _all(seeds: Sequence[int], jobs: int) -> Iterator[tuple[Case, Verdict]]:
+def _all(seeds: Sequence[int], jobs: int, overrides: Changes) -> Iterator[tuple[Case, Verdict]]:
     # A process for each few cases: the physics engine's and the solver's memory is given back that way.
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), max_tasks_per_child=8) as pool:
-        yield from pool.map(verdict_of, seeds)
+    with get_context("spawn").Pool(jobs, maxtasksperchild=8) as pool:
+        yield from pool.imap_unordered(partial(verdict_of, overrides=overrides), seeds)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -36,25 +36,43 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, help="one case only, with its states and reasons")
     parser.add_argument("--kind", choices=sorted(set(KINDS)), help="only cases of that kind")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes at a time")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="SERVICE.NAME=VALUE",
+        help="a setting of all cases, as JSON",
+    )
     options = parser.parse_args(arguments)
+    overrides = _settings(options.set)
     if options.seed is not None:
-        played = play(case(options.seed))
+        played = play(case(options.seed, overrides))
         trace(played)
         return 0 if played.verdict.completed else 1
     seeds = [seed for seed in _numbers(options.seeds) if options.kind in (None, case(seed).kind)]
     begun, results = time.monotonic(), []
     try:
-        for number, (chosen, verdict) in enumerate(_all(seeds, options.jobs), 1):
+        for number, (chosen, verdict) in enumerate(_all(seeds, options.jobs, overrides), 1):
             results.append((chosen, verdict))
             print(f"{number}/{len(seeds)} {line(chosen, verdict)}", file=sys.stderr, flush=True)
-    except (KeyboardInterrupt, BrokenProcessPool) as problem:
-        print(f"broken off: {type(problem).__name__}", file=sys.stderr)
+    except KeyboardInterrupt:
+        print("broken off", file=sys.stderr)
+    results.sort(key=lambda result: result[0].seed)
     if not results:
         return 1
     show(results, time.monotonic() - begun, options.jobs)
     good = sum(verdict.completed for _, verdict in results)
     bad = any(verdict.dropped or verdict.early for _, verdict in results)
     return 1 if bad or good < 0.99 * len(results) else 0
+
+
+def _settings(given: Sequence[str]) -> Changes:
+    found: Changes = {}
+    for text in given:
+        where, _, value = text.partition("=")
+        service, _, name = where.partition(".")
+        found.setdefault(service, {})[name] = json.loads(value)
+    return found
 
 
 def _numbers(text: str) -> list[int]:

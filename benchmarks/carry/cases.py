@@ -43,6 +43,10 @@ RUBBER = 0.9
 """Friction of plain rubber pads on foam: a panel pivots in the fingers long before a limit is reached."""
 
 
+Changes = dict[str, dict[str, Any]]
+"""Settings by service and name."""
+
+
 @dataclass(frozen=True)
 class Case:
     """One carry.
@@ -62,8 +66,8 @@ class Case:
     drawn: dict[str, Any] = field(default_factory=dict)
 
 
-def case(seed: int) -> Case:
-    """The carry of a seed."""
+def case(seed: int, overrides: Changes | None = None) -> Case:
+    """The carry of a seed; ``overrides`` take the place of what the services were set to."""
     kind = KINDS[seed % len(KINDS)]
     draw = np.random.default_rng(seed)
     mass = 2.5 if kind == "2.5 kg" else _between(draw, 1.0, 2.5)
@@ -126,15 +130,17 @@ def case(seed: int) -> Case:
         "ground": round(-expected_ground, 3),
         "pace": round(manner.pace, 2),
     }
-    changes = {"sim": sim, "task": task, "controller": controller}
+    changes: Changes = {"sim": sim, "task": task, "controller": controller}
+    for service, values in (overrides or {}).items():
+        changes[service] = changes.get(service, {}) | values
     return Case(seed, kind, _run(law, base, rate, changes), script(manner), drawn)
 
 
-def _run(law: str, base: str, rate: float, changes: dict[str, dict[str, Any]]) -> Run:
+def _run(law: str, base: str, rate: float, changes: Changes) -> Run:
     nominal = protocol.run(law, base)
     settings = copy.deepcopy(nominal.settings)
     for service, values in changes.items():
-        settings[service] |= values
+        settings[service] = settings.get(service, {}) | values
     return Run(nominal.name, nominal.title, law, rate, settings, nominal.further)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.carry.cases import Case, case
+from benchmarks.carry.cases import Case, Changes, case
 from benchmarks.carry.course import SweepCourse
 from benchmarks.carry.judge import Verdict, judge
 from benchmarks.carry.witness import Witness
@@ -85,9 +85,9 @@ def play(chosen: Case) -> Played:
     return Played(chosen, verdict, events, witness.seen())
 
 
-def verdict_of(seed: int) -> tuple[Case, Verdict]:
+def verdict_of(seed: int, overrides: Changes) -> tuple[Case, Verdict]:
     """The case of a seed and the verdict on it: what was seen stays in the process that played it, it is large."""
-    played = play(case(seed))
+    played = play(case(seed, overrides))
     return played.case, played.verdict
 
 
