@@ -1,0 +1,97 @@
+"""The carry's sweep: each seed is one and the same carry, and the verdict follows from what was really the case."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.carry.cases import KINDS, case
+from benchmarks.carry.judge import Verdict, judge
+from services.sim.parameters import SimParameters
+from services.sim.script import read
+from services.task.parameters import TaskParameters
+
+LIMITS = np.array((10.0, 10.0, 10.0, 0.5, 3.0, 3.0))
+COUNTS = {"calibrating": 10, "carrying": 100, "releasing": 20, "retreating": 20, "done": 10}
+
+
+def carried(**changes: Any) -> dict[str, np.ndarray]:
+    """What the witness sees of a carry without fault; each change is (state, from which sample of it on, value)."""
+    state = np.repeat(list(COUNTS), list(COUNTS.values()))
+    size = len(state)
+    held = np.isin(state, ("carrying", "releasing"))
+    seen = {
+        "time": 0.01 * np.arange(size),
+        "state": state,
+        "wrench": np.where(held[:, None], np.array((0.0, 0.0, -7.0, 0.0, 0.0, 0.0)), 0.0),
+        "nominal": np.where(held, -7.0, 0.0),
+        "lowest": np.where(state == "carrying", 0.5, -0.002),
+        "near": np.where(state == "carrying", 0.5, -0.002),
+        "pitch": np.zeros(size),
+        "upright": np.ones(size),
+        "gripped": held.copy(),
+        "opening": ~held,
+        "held": np.ones(size, dtype=bool),
+        "supported": np.zeros(size, dtype=bool),
+        "strain": np.tile((5.0, 1.0), (size, 1)),
+        "tool": np.zeros((size, 3)),
+        "base": np.zeros((size, 3)),
+    }
+    for name, (where, begin, value) in changes.items():
+        seen[name][np.flatnonzero(state == where)[begin:]] = value
+    return seen
+
+
+def verdict(end: str = "done", **changes: Any) -> Verdict:
+    return judge(carried(**changes), LIMITS, end, "", told=False)
+
+
+def test_a_carry_without_fault_is_completed() -> None:
+    found = verdict()
+    assert found.completed and found.stands and found.word == "completed"
+    assert found.time == pytest.approx(1.5, abs=0.02) and found.gap == pytest.approx(-0.002)
+    assert max(found.peak) == 0.0 and found.strain == pytest.approx((5.0, 1.0))
+
+
+def test_what_the_gripper_loses_is_dropped() -> None:
+    assert verdict(gripped=("carrying", 50, False)).word == "DROPPED"
+    assert not verdict(gripped=("carrying", 97, False)).lost, "a touch and no loss"
+
+
+def test_what_nobody_holds_falls_unless_it_stands() -> None:
+    assert verdict(held=("retreating", 0, False)).completed
+    high = verdict(held=("retreating", 0, False), lowest=("retreating", 0, 0.1))
+    assert high.fell and high.word == "DROPPED"
+
+
+def test_opening_above_the_ground_is_early_although_the_person_holds_it() -> None:
+    found = verdict(near=("retreating", 0, 0.03))
+    assert found.early and found.word == "EARLY" and not found.dropped
+
+
+def test_not_to_get_there_is_not_completed() -> None:
+    assert verdict("holding").word == "NOT COMPLETED"
+
+
+def test_limits_are_centred_on_the_nominal_force() -> None:
+    found = verdict(wrench=("carrying", 50, (0.0, 0.0, -22.0, 0.25, 0.0, 0.0)))
+    assert found.peak[2] == pytest.approx(1.5) and found.peak[3] == pytest.approx(0.5)
+    assert found.share[2] == pytest.approx(50 / 120) and found.share[3] == 0.0
+
+
+def test_a_seed_is_always_the_same_carry_and_any_seed_is_one_that_the_services_take() -> None:
+    assert case(7) == case(7) and case(7).drawn != case(27).drawn
+    for seed in range(3 * len(KINDS)):
+        found = case(seed)
+        assert found.kind == KINDS[seed % len(KINDS)]
+        SimParameters.of(found.run.settings["sim"])
+        TaskParameters.of(found.run.settings["task"])
+        assert read(found.script)[-1].do == "let_go"
+
+
+def test_a_setting_from_outside_takes_the_place_of_the_case_s_own() -> None:
+    changed = case(3, {"controller": {"period": 0.04}, "base": {"mass": 20.0}}).run.settings
+    assert changed["controller"]["period"] == 0.04 and changed["base"] == {"mass": 20.0}
+    assert changed["sim"] == case(3).run.settings["sim"]
