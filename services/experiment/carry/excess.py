@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -58,6 +58,10 @@ class Wrenches:
             error=recording.series(key, "error_bound")[chosen],
         )
 
+    def at(self, chosen: np.ndarray) -> Wrenches:
+        """Those of the chosen samples (n,) alone."""
+        return Wrenches(*(getattr(self, field.name)[chosen] for field in fields(self)))
+
     @property
     def load(self) -> np.ndarray:
         """|w - nominal| / limit (n, 6)."""
@@ -66,9 +70,11 @@ class Wrenches:
 
 @dataclass(frozen=True)
 class Excess:
-    """How far and how often the limits were exceeded; shares of the time are 0 to 1.
+    """How far and how often the limits were exceeded outside of brakes; shares of the time are 0 to 1.
 
     Attributes:
+        judged: share of the time that no brake upset: in one the arm has to stand, whatever the person does.
+        braked_peak: largest |w - nominal| / limit in the rest; 0 if there is none.
         peaks: largest |w - nominal| / limit of each axis (6,).
         over: share of the time with any axis over its limit.
         surely_over: the same with the error bound taken off.
@@ -80,6 +86,8 @@ class Excess:
         allowed: the largest peak / limit of each axis (6,) that the motion accounts for at any time; NaN likewise.
     """
 
+    judged: float
+    braked_peak: float
     peaks: tuple[float, ...]
     over: float
     surely_over: float
@@ -91,8 +99,9 @@ class Excess:
     allowed: tuple[float, ...]
 
 
-def excess(wrenches: Wrenches, motion: Motion, certified: Certified | None) -> Excess:
-    """Takes the figures of a span in which the panel was held."""
+def excess(wrenches: Wrenches, quiet: np.ndarray, motion: Motion, certified: Certified | None) -> Excess:
+    """Takes the figures of a span in which the panel was held; `quiet` (n,) are the samples that no brake upset."""
+    upset, wrenches = wrenches.at(~quiet), wrenches.at(quiet)
     fastest = _fastest(motion, wrenches.time)
     load, sure = wrenches.load, wrenches.load - wrenches.error / wrenches.limit
     linear, angular = (np.linalg.norm(fastest[:, part], axis=1) for part in (slice(3), slice(3, 6)))
@@ -102,12 +111,15 @@ def excess(wrenches: Wrenches, motion: Motion, certified: Certified | None) -> E
         room = certified.excess(fastest, nearest_attitude(motion, wrenches.time, certified)) / wrenches.limit
         used = float(np.max((sure - 1.0) / np.maximum(room, 1e-9), initial=0.0))
         allowed = 1.0 + room.max(axis=0, initial=0.0)
+    step = float(np.median(np.diff(wrenches.time))) if len(wrenches.time) > 1 else 0.0
     return Excess(
+        judged=float(np.mean(quiet)) if len(quiet) else 0.0,
+        braked_peak=float(upset.load.max(initial=0.0)),
         peaks=tuple(load.max(axis=0, initial=0.0).tolist()),
         over=_share(load > 1.0),
         surely_over=_share(sure > 1.0),
         far_over=_share(load > FAR_OVER),
-        resting=float(np.sum(np.gradient(wrenches.time)[rests])) if len(rests) > 1 else 0.0,
+        resting=step * int(rests.sum()),
         resting_peak=float(sure[rests].max()) if rests.any() else float("nan"),
         fastest=(float(linear.max(initial=0.0)), float(angular.max(initial=0.0))),
         used=used,

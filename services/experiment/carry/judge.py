@@ -8,6 +8,7 @@ a law does not promise is not claimed for it: the paper's promises nothing betwe
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 
 from services.experiment.carry.grip import ON_GROUND
@@ -30,6 +31,7 @@ GROUND = 0.5 * PANEL_MASS * GRAVITY  # [N]
 UPRIGHT, LEVEL = math.radians(15.0), math.radians(6.0)
 STAYS, LEANS = 0.02, math.radians(5.0)  # [m, rad]
 OVER, FAR_OVER = 0.15, 0.01  # shares of the time
+JUDGED = 0.8  # share of the time without brakes
 BREAKS = 2.0  # limits
 DEARER = 1.25
 
@@ -139,11 +141,24 @@ def _limits(run: str, found: Measures) -> list[Claim]:
             run,
             "hardly ever over 1.5 limits",
             "hardly ever over one and a half limits on any axis",
-            f"{100 * excess.far_over:.1f} % of the time, {max(excess.peaks):.2f} limits at most",
-            f"at most {100 * FAR_OVER:.0f} %",
-            excess.far_over <= FAR_OVER,
+            f"{100 * excess.far_over:.1f} % of the time, {max(excess.peaks):.2f} limits at most{_apart(found)}",
+            f"at most {100 * FAR_OVER:.0f} %, judged in {100 * JUDGED:.0f} % of the time or more",
+            excess.far_over <= FAR_OVER and excess.judged >= JUDGED,
         ),
     ]
+
+
+def _apart(found: Measures) -> str:
+    """What is left out: the arm has to stand in a brake, and the person goes on."""
+    if not found.brakes:
+        return ""
+    # Without the numbers, which differ each time: "wrench/external", "no fresh command".
+    reasons = ", ".join(dict.fromkeys(re.split(" is | arrives ", brake.reason)[0] for brake in found.brakes))
+    excess = found.excess
+    return (
+        f"; apart from {len(found.brakes)} brakes ({reasons}), {100 * (1.0 - excess.judged):.0f} % of the time with up "
+        f"to {excess.braked_peak:.1f} limits"
+    )
 
 
 def _eases(run: str, found: Measures) -> Claim:

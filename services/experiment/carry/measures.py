@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from services.experiment.brakes import Brake, brakes, undisturbed
 from services.experiment.carry.allowance import certified
 from services.experiment.carry.effort import Effort, effort
 from services.experiment.carry.excess import Excess, Wrenches, attitudes, excess
@@ -35,7 +36,8 @@ class Measures:
         tilt: largest angle of the panel's long axis to the horizontal while it was held.
         descent: fastest that an end of the panel went down [m/s], from the grasp to the end.
         unsupported: seconds in which it was in the air and the gripper did not hold it.
-        excess: of the wrench over its limits while it was held.
+        brakes: while it was held.
+        excess: of the wrench over its limits in the rest of that time.
         active: share of that time in which some limit shaped the motion.
         followed: what became of each movement of the person.
         effort: of the person, from the grasp to the end.
@@ -51,6 +53,7 @@ class Measures:
     tilt: float
     descent: float
     unsupported: float
+    brakes: tuple[Brake, ...]
     excess: Excess
     active: float
     followed: tuple[Followed, ...]
@@ -75,6 +78,7 @@ def measure(recording: Recording) -> Measures:
     end = float(motion.time[-1]) if span.for_good else span.end
     during = (motion.time >= span.start) & (motion.time < end)
     wrenches = Wrenches.of(recording, span.start, end)
+    braked = tuple(brake for brake in brakes(recording) if brake.end >= span.start and brake.start < end)
     allowance = None
     if recording.meta["law"] == "certified":
         allowance = certified(
@@ -92,7 +96,8 @@ def measure(recording: Recording) -> Measures:
         tilt=float(np.abs(motion.tilt[during]).max(initial=0.0)),
         descent=fastest_descent(motion, span.start),
         unsupported=unsupported(motion, span),
-        excess=excess(wrenches, motion, allowance),
+        brakes=braked,
+        excess=excess(wrenches, undisturbed(wrenches.time, braked), motion, allowance),
         active=_active(recording, span.start, end),
         followed=followed(motion, GUIDANCE[name.rpartition("-")[2]]),
         effort=effort(motion, span.start, float(motion.time[-1])),

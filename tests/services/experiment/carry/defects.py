@@ -135,3 +135,19 @@ def topples(recording: Recording) -> None:
 def pushed_away(recording: Recording) -> None:
     """The panel slides when the person lets go."""
     add("sim/world", "panel.position", (0.0, 0.05, 0.0), when(recording, "done"), np.inf)(recording)
+
+
+def brakes(share: float) -> Defect:
+    """The controller brakes for a share of each second, and forces rise meanwhile and a moment longer."""
+
+    def spoil(recording: Recording) -> None:
+        status, wrench = recording.topics["control/status"], recording.topics["wrench/external"]
+        carrying = (status["time"] > 20.0) & (status["time"] < 60.0)
+        braked = carrying & (status["time"] % 5.0 < 5.0 * share)
+        status["state"] = np.where(braked, "braking", status["state"])
+        status["reason"] = np.where(braked, "wrench/external is late", status["reason"])
+        late = wrench["time"] - 0.02
+        risen = (late > 20.0) & (late < 60.0) & (late % 5.0 < 5.0 * share + 0.3)
+        wrench["force"][risen, 1] += 20.0
+
+    return spoil

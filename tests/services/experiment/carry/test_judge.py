@@ -90,6 +90,13 @@ class TestCarry:
     def test_a_defect_fails_its_claim(self, carried: Recording, defect: Defect, claims: set[str]) -> None:
         assert claims <= set(failed(measure(spoilt(carried, defect))))
 
+    def test_what_brakes_bring_is_told_and_left_out_but_not_if_it_is_much(self, carried: Recording) -> None:
+        found = measure(spoilt(carried, defects.brakes(0.05)))
+        assert failed(found) == []
+        assert len(found.brakes) == 8 and found.excess.braked_peak > 1.9
+        often = measure(spoilt(carried, defects.brakes(0.4)))
+        assert failed(often) == ["hardly ever over 1.5 limits"]
+
     def test_a_baseline_that_keeps_its_limits_fails_the_claim_that_it_does_not(
         self, carried: Recording
     ) -> None:
