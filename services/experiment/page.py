@@ -23,7 +23,7 @@ p, li { max-width: 46rem; }
 table { border-collapse: collapse; width: 100%; font-size: .9rem; }
 th, td { text-align: left; padding: .38rem .7rem .38rem 0; border-bottom: 1px solid var(--line); vertical-align: top; }
 th { font-weight: 600; } td.run { font-weight: 600; white-space: nowrap; }
-td.number { font-variant-numeric: tabular-nums; white-space: nowrap; }
+td.number { font-variant-numeric: tabular-nums; width: 24%; } td.claim { width: 42%; }
 .mark { font-weight: 700; white-space: nowrap; } .pass .mark { color: var(--good); } .fail .mark { color: var(--bad); }
 tr.first td { border-top: 2px solid #9a9a9a; }
 figure { margin: 1.2rem 0 2rem; } figure img, video { width: 100%; height: auto; }
@@ -49,7 +49,9 @@ def page(
     commands: Sequence[str],
     settings: Mapping[str, Mapping[str, Mapping[str, Any]]],
 ) -> str:
-    """The whole page. Figures (SVG or PNG files) are embedded; films and CSV files are linked relative to `folder`."""
+    """The whole page. Pictures (SVG or PNG files), stills among the films too, are embedded; films and CSV files are
+    linked relative to `folder`.
+    """
     failed = sum(not claim.passed for claim in claims)
     verdict = (
         f"{len(claims)} of {len(claims)} claims hold."
@@ -60,18 +62,16 @@ def page(
         f"<h1>{escape(title)}</h1>",
         f'<p class="lead">{escape(lead)}</p>',
         f'<p class="verdict {"fail" if failed else "pass"}">{verdict}</p>',
-        "<h2>Claims</h2>",
-        _claims(claims),
-        "<h2>Figures</h2>",
-        *(_figure(path, caption) for path, caption in figures),
     ]
     if films:
-        parts.append("<h2>Film</h2>")
+        # First of all, so that everything below is understood.
+        parts.append("<h2>What happened</h2>")
         parts += [
-            f'<figure><video controls preload="metadata" src="{path.relative_to(folder).as_posix()}"></video>'
-            f"<figcaption>{escape(caption)}</figcaption></figure>"
+            _figure(path, caption) if path.suffix in _MEDIA else _video(path.relative_to(folder), caption)
             for caption, path in films.items()
         ]
+    parts += ["<h2>Claims</h2>", _claims(claims)]
+    parts += ["<h2>Figures</h2>", *(_figure(path, caption) for path, caption in figures)]
     parts += ["<h2>How to read it</h2>", "<ul>", *(f"<li>{escape(note)}</li>" for note in notes), "</ul>"]
     parts += [
         "<h2>How it was run</h2>",
@@ -100,7 +100,7 @@ def _claims(claims: Sequence[Claim]) -> str:
         first = claim.run != last
         rows.append(
             f'<tr class="{state}{" first" if first else ""}"><td class="run">{escape(claim.run) if first else ""}</td>'
-            f'<td>{escape(claim.text)}</td><td class="number">{escape(claim.figure)}</td>'
+            f'<td class="claim">{escape(claim.text)}</td><td class="number">{escape(claim.figure)}</td>'
             f'<td class="number">{escape(claim.limit)}</td><td class="mark">{mark}</td></tr>'
         )
         last = claim.run
@@ -112,6 +112,13 @@ def _figure(path: Path, caption: str) -> str:
     data = base64.b64encode(path.read_bytes()).decode()
     return (
         f'<figure><img alt="{escape(caption)}" src="data:{_MEDIA[path.suffix]};base64,{data}">'
+        f"<figcaption>{escape(caption)}</figcaption></figure>"
+    )
+
+
+def _video(path: Path, caption: str) -> str:
+    return (
+        f'<figure><video controls preload="metadata" src="{path.as_posix()}"></video>'
         f"<figcaption>{escape(caption)}</figcaption></figure>"
     )
 

@@ -24,13 +24,11 @@ from services.experiment.carry.protocol import (
 )
 from services.experiment.disturbance import disturbances
 from services.experiment.drawing import save
-from services.experiment.film import FILM
+from services.experiment.film import FILM, STRIP
 from services.experiment.page import page
 from services.experiment.recording import RECORDING, Recording
 from services.experiment.report import Report, measure_all, origin
 from services.experiment.run import Run
-
-STRIP = "strip.png"  # moments of the film side by side, if it was made
 
 
 def write(folder: Path, commands: Sequence[str] = ()) -> Report:
@@ -56,7 +54,6 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
 
     drawn = _draw(folder, runs, recordings, measured)
     files = {name: recording.write_csv(folder / name / "csv") for name, recording in recordings.items()}
-    films = {name: folder / name / FILM for name in runs if (folder / name / FILM).exists()}
     length, width, _ = PANEL_SIZE
     index = folder / "index.html"
     index.write_text(
@@ -67,10 +64,7 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
             "down.",
             claims,
             drawn,
-            {
-                f"{runs[name].title}: what was recorded of robot, panel and person, rendered": path
-                for name, path in films.items()
-            },
+            _scenes(folder, runs),
             {
                 **origin(recordings),
                 "panel": f"{' x '.join(f'{size:g}' for size in PANEL_SIZE)} m, {PANEL_MASS:g} kg",
@@ -94,6 +88,17 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
     return Report(index, claims, problems, unfinished)
 
 
+def _scenes(folder: Path, runs: Mapping[str, Run]) -> dict[str, Path]:
+    """Strip and film of every run of which there are any, by their captions."""
+    scenes = {}
+    for name, run in runs.items():
+        scenes[f"{run.title}: moments of the carry; below, what the head's camera sees"] = (
+            folder / name / STRIP
+        )
+        scenes[f"{run.title}: what was recorded of robot, panel and person, rendered"] = folder / name / FILM
+    return {caption: path for caption, path in scenes.items() if path.exists()}
+
+
 def _known() -> list[Run]:
     """Every run that there is, those that are played by default first."""
     names = [f"{law}-{base}" for law in LAWS for base in BASES]
@@ -108,11 +113,7 @@ def _draw(
 ) -> list[tuple[Path, str]]:
     target = folder / "figures"
     target.mkdir(exist_ok=True)
-    drawn = [
-        (folder / name / STRIP, f"{run.title}: moments of the carry.")
-        for name, run in runs.items()
-        if (folder / name / STRIP).exists()
-    ]
+    drawn = []
     walked = {name: run for name, run in runs.items() if SCRIPTS[name.rpartition("-")[2]] == SCRIPTS["omni"]}
     if len(walked) > 1:
         figure = figures.draw_comparison(walked, recordings, measured)
