@@ -1,4 +1,8 @@
-"""The carry's course with the person of a case, who says `tandem task release` when the robot does not let go."""
+"""The carry's course with the person of a case, who tells the robot what it waits for.
+
+He says `tandem task release` when the robot does not let go of a panel on the ground, and `tandem resume` and
+`tandem task start` when it holds because a fault was latched.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +19,9 @@ PATIENCE = 12.0
 """Time [s] for which he waits with the panel on the ground before he says so."""
 
 
+LOOKS, ENDS = 1.0, 1.0
+"""Time [s] until he says `resume`, and from then on until `start`: less than the course waits for a task that holds."""
+MOST_WORDS = 4
 NOTE_EVERY = 1.0  # [s]
 
 
@@ -22,7 +29,8 @@ class SweepCourse(CarrySequence):
     """Plays a case.
 
     Attributes:
-        told: whether the person had to say that the robot is to let go.
+        told: what the person had to say to the robot, in order.
+        resumes: whether he says `tandem resume` now.
     """
 
     def __init__(self, case: Case) -> None:
@@ -31,28 +39,49 @@ class SweepCourse(CarrySequence):
         self._waiting_since: float | None = None
         self._said = ""
         self._said_at = 0.0
-        self.told = False
+        self._held_since: float | None = None
+        self.told: list[str] = []
+        self.resumes = False
 
     def _place(self, now: float, _seen: Seen) -> list[Ask]:
         return self.ask(now, Ask(topics.SIM_COMMAND, {"command": "hand", "script": self._script}))
 
     def _play(self, now: float, seen: Seen) -> list[Ask]:
         self._note(now, seen.reason)
+        if asks := self._resume(now, seen):
+            return asks
         waits = seen.doing == "wait" and seen.task == "carrying"
         if not waits:
             self._waiting_since = None
         elif self._waiting_since is None:
             self._waiting_since = now
-        elif now - self._waiting_since > PATIENCE and not self.told:
-            self.told = True
-            self.events.append(Event(now, "person: release", seen.reason))
-            return self.ask(now, Ask(topics.TASK_COMMAND, {"command": "release"}))
+        elif now - self._waiting_since > PATIENCE and "release" not in self.told:
+            return self._tell(now, seen, "release")
         return super()._play(now, seen)
 
     def accepted(self, ask: Ask, sent: float, now: float) -> None:
-        """One step further; saying `release` is none."""
-        if ask.request.get("command") != "release":
+        """One step further; what the person says in the middle is none."""
+        if ask.request.get("command") not in self.told:
             super().accepted(ask, sent, now)
+
+    def _resume(self, now: float, seen: Seen) -> list[Ask]:
+        """What he says when it holds for something that only a person may end: `resume`, and then `start`."""
+        self.resumes = False
+        if seen.task != "holding" or "tandem resume" not in seen.reason or len(self.told) > MOST_WORDS:
+            self._held_since = None
+        elif self._held_since is None:
+            self._held_since = now
+        elif now - self._held_since > LOOKS + ENDS:
+            self._held_since = None
+            return self._tell(now, seen, "start")
+        elif now - self._held_since > LOOKS:
+            self.resumes = True
+        return []
+
+    def _tell(self, now: float, seen: Seen, word: str) -> list[Ask]:
+        self.told.append(word)
+        self.events.append(Event(now, f"person: {word}", seen.reason))
+        return self.ask(now, Ask(topics.TASK_COMMAND, {"command": word}))
 
     def _note(self, now: float, reason: str) -> None:
         """Keep what the task says, once a second at most; a number that changes is nothing new."""

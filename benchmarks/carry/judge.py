@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +29,7 @@ class Verdict:
         fell: nobody held the panel, and it was not on the ground.
         gap: height [m] of the panel's near end above the ground when the gripper opened; None if it did not.
         carried: force [N] that the robot carried then.
-        told: a person had to say that the panel was to be let go.
+        told: what a person had to say to the task, in order.
         share: of the time while it carried in which the force on an axis was above its limit, per axis.
         peak: largest force over limit, per axis.
         tilt: largest pitch [rad] of the panel while both held it.
@@ -44,7 +45,7 @@ class Verdict:
     fell: bool = False
     gap: float | None = None
     carried: float = 0.0
-    told: bool = False
+    told: tuple[str, ...] = ()
     share: tuple[float, ...] = (0.0,) * 6
     peak: tuple[float, ...] = (0.0,) * 6
     tilt: float = 0.0
@@ -78,7 +79,12 @@ class Verdict:
 
 
 def judge(
-    seen: dict[str, np.ndarray], limits: np.ndarray, end: str, reason: str, told: bool, trouble: str = ""
+    seen: dict[str, np.ndarray],
+    limits: np.ndarray,
+    end: str,
+    reason: str,
+    told: Sequence[str],
+    trouble: str = "",
 ) -> Verdict:
     """The verdict on what the witness saw.
 
@@ -87,7 +93,7 @@ def judge(
         limits: of force and torque (6,) [N, Nm].
         end: state of the task.
         reason: of that state.
-        told: whether a person had to tell it to let go.
+        told: what a person had to say to it.
         trouble: of the experiment.
     """
     state, time = seen["state"], seen["time"]
@@ -118,7 +124,7 @@ def judge(
         fell=bool(free.sum() * PERIOD > 0.05),
         gap=None if let_go is None else float(seen["near"][let_go]),
         carried=0.0 if let_go is None else -float(seen["wrench"][let_go, 2]),
-        told=told,
+        told=tuple(told),
         share=tuple(share.tolist()),
         peak=tuple(peak.tolist()),
         tilt=float(np.abs(seen["pitch"][together]).max()) if together.any() else 0.0,

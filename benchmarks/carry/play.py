@@ -20,6 +20,8 @@ from services.experiment.play import Play
 from services.experiment.recording import Event
 from services.sim.camera import OwnDarkroom
 from services.sim.sight import Look
+from shared.messages import Stop
+from shared.topics import STOP
 
 LOOKING = ("", "idle", "calibrating", "searching", "approaching")
 
@@ -68,6 +70,9 @@ def play(chosen: Case) -> Played:
             if course.events:
                 state = next((event.name for event in reversed(course.events) if event.name in STATES), state)
             Shutter.open = state in LOOKING
+            if course.resumes:
+                course.resumes = False
+                staged.stack.client.publish(STOP, Stop(False))
             return course.done
 
         try:

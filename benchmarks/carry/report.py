@@ -22,7 +22,9 @@ def line(case: Case, verdict: Verdict) -> str:
     worst = int(np.argmax(verdict.peak))
     text = f"{case.seed} {case.kind}: {verdict.word}"
     if verdict.time is not None:
-        text += f" in {verdict.time:.0f} s{' when told' if verdict.told else ''}"
+        text += f" in {verdict.time:.0f} s"
+    if verdict.told:
+        text += f", told to {', '.join(verdict.told)}"
     if verdict.gap is not None:
         text += f", opened {100 * verdict.gap:.1f} cm above the ground with {verdict.carried:.1f} N"
     text += f", peak {verdict.peak[worst]:.1f} {AXES[worst]}, over {100 * max(verdict.share):.0f} %"
@@ -51,6 +53,7 @@ def show(results: Sequence[Result], took: float, jobs: int) -> None:
         "kind",
         "carries",
         "completed",
+        "of them told to",
         "not",
         "dropped",
         "early",
@@ -92,6 +95,7 @@ def _cells(verdicts: Sequence[Verdict]) -> list[str]:
     return [
         str(len(verdicts)),
         str(completed),
+        str(sum(verdict.completed and bool(verdict.told) for verdict in verdicts)),
         str(sum(verdict.word == "NOT COMPLETED" for verdict in verdicts)),
         str(sum(verdict.dropped for verdict in verdicts)),
         str(sum(verdict.early for verdict in verdicts)),

@@ -45,7 +45,7 @@ def carried(**changes: Any) -> dict[str, np.ndarray]:
 
 
 def verdict(end: str = "done", **changes: Any) -> Verdict:
-    return judge(carried(**changes), LIMITS, end, "", told=False)
+    return judge(carried(**changes), LIMITS, end, "", told=())
 
 
 def test_a_carry_without_fault_is_completed() -> None:

@@ -97,7 +97,7 @@ class CarryRig:
     def verdict(self) -> Verdict:
         """What became of the panel up to now."""
         limits = np.array(protocol.FORCE_LIMIT + protocol.TORQUE_LIMIT)
-        return judge(self.witness.seen(), limits, self.task.state, self.task.reason, told=False)
+        return judge(self.witness.seen(), limits, self.task.state, self.task.reason, told=())
 
     def _note(self, status: TaskStatus) -> None:
         if not self.states or self.states[-1][1] != status.state:
