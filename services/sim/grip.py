@@ -35,6 +35,8 @@ CONTACT = 1.0
 """Pressure [N] of each pad from which on it counts as contact."""
 PARALLEL = math.cos(math.radians(20.0))
 """Faces that are further from parallel to the pads than this are not gripped, but bumped into."""
+PIVOT = math.cos(math.radians(60.0))
+"""A panel that has turned between the pads by more than this, about the axis across them, is between them no more."""
 CLEARANCE = 0.002
 """How much [m] the panel may be wider than the fingers' gap and still slip in between."""
 
@@ -66,7 +68,7 @@ def locate(panel: Panel, position: Array, rotation: Array) -> Pads | None:
     turned = rotation.T.dot(panel.body.rotation)
     centre = rotation.T.dot(panel.body.position - position)
     along, across, normal = turned.T
-    if along[0] < PARALLEL:
+    if along[0] < PIVOT * math.hypot(along[0], along[2]) or math.hypot(along[0], along[2]) < PARALLEL:
         return None
     # The tool's x axis enters the panel where the panel's own x coordinate is minus half its length.
     edge = float((along.dot(centre) - panel.half[0]) / along[0])

@@ -172,6 +172,19 @@ def test_it_pivots_about_the_fingers_beyond_what_friction_holds() -> None:
     assert abs(bench.body.rotation[1, 0]) > 0.05
 
 
+def test_a_panel_that_has_pivoted_far_is_held_as_well() -> None:
+    bench = Bench().gripped()
+    bound = 0.9 * sum(bench.gripper.pressed) * mean_radius(OVERLAP, PAD_WIDTH)
+    while abs(bench.body.rotation[1, 0]) < np.sin(np.radians(35.0)):
+        bench.run(0.1, LIFT, np.array((0.0, 0.0, 1.2 * bound)))
+        assert bench.gripper.holding
+    wrench = bench.run(2.0, LIFT)
+    assert wrench is not None and bench.gripper.holding
+    turned = abs(bench.body.rotation[1, 0])
+    bench.run(1.0, LIFT)
+    assert abs(bench.body.rotation[1, 0]) == pytest.approx(turned, abs=1e-3)
+
+
 def test_opened_it_lets_the_panel_drop() -> None:
     bench = Bench(friction=3.5)
     bench.body.rotation = rotation_from_vector((np.pi / 2, 0, 0))
