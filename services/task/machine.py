@@ -6,21 +6,21 @@ from collections.abc import Sequence
 
 from services.task.approach import Approach, closing, is_open, opening
 from services.task.carry import Carry
+from services.task.commands import Commands
 from services.task.faults import Kind, Present
 from services.task.geometry import Pose, roll_since
 from services.task.grasp import GraspWatch
 from services.task.journal import Entry, Recalled
 from services.task.nominal import NominalWrench
 from services.task.parameters import TaskParameters
-from services.task.states import REACTIONS, Decision, Grip, Seen, State, patience
+from services.task.states import Decision, Grip, Seen, State, patience
 from services.task.timers import Held
-from shared.parameters import Refused
 
 _OPEN_AFTER = 0.3  # [s]
 
 
-class Machine:
-    """States and commands.
+class Machine(Commands):
+    """The states; the commands come from its base.
 
     Attributes:
         state: of the task.
@@ -99,23 +99,6 @@ class Machine:
         if decision.after is not None:
             self._go(decision.after, decision.reason, seen)
         return decision
-
-    def command(self, word: object) -> State:
-        """Do what a person asks.
-
-        Raises:
-            Refused: with the reason and what to do instead.
-        """
-        handlers = {
-            "start": self._start,
-            "abort": self._abort,
-            "release": self._release,
-            "reset": self._reset,
-        }
-        if not isinstance(word, str) or word not in handlers:
-            raise Refused(f"command is {word!r}, wanted start, abort, release or reset")
-        handlers[word]()
-        return self.state
 
     def _react(self, dt: float) -> Decision | None:
         """Stand still for a fault that concerns the state, and hold when it has lasted too long."""
@@ -210,80 +193,9 @@ class Machine:
         if self._approach is not None and seen is not None:
             self._approach.enter(seen.tool)
 
-    def _start(self) -> None:
-        seen = self._known()
-        if self.state is State.HOLDING and self.grip:
-            blocking = [fault for fault in self._faults if fault.kind in REACTIONS[State.CARRYING]]
-            if blocking:
-                raise Refused(f"cannot carry on: {blocking[0].sentence}")
-            self._carry_from(seen)
-            return self._go(State.CARRYING, "carrying on", seen)
-        if self.state is not State.IDLE:
-            instead = (
-                "`reset` first" if self.state in (State.HOLDING, State.DONE) else "it is at work already"
-            )
-            raise Refused(f"start in state {self.state.value}: {instead}")
-        if problem := self._settings.too_heavy():
-            raise Refused(problem)
-        for fault in self._faults:
-            if fault.kind is Kind.STOPPED:
-                raise Refused(fault.sentence)
-        if seen.gripper is None:
-            raise Refused("state/gripper is not known: is the robot process running?")
-        if seen.gripper.holding:
-            raise Refused("the gripper holds something: `release` opens it")
-        self._open_idle(starting=True)
-
-    def _abort(self) -> None:
-        self._go(
-            State.HOLDING, "aborted: `start` carries on if the panel is held, `reset` begins anew", self._seen
-        )
-
-    def _release(self) -> None:
-        seen = self._known()
-        carry = self._carry
-        if self.state is State.RELEASING and carry is not None:
-            if carry.asked and not carry.opening:
-                carry.let_go(seen)
-            carry.asked = True
-        elif self.state is State.CARRYING or (self.state is State.HOLDING and self.grip):
-            if self.state is State.HOLDING:
-                carry = self._carry_from(seen)
-            assert carry is not None
-            carry.asked = True
-            self._go(State.RELEASING, "letting go as asked", seen)
-        elif self.state is State.IDLE:
-            self._open_idle(starting=False)
-        else:
-            raise Refused(f"release in state {self.state.value}: nothing is held")
-
-    def _reset(self) -> None:
-        if self.state not in (State.HOLDING, State.DONE, State.IDLE):
-            raise Refused(f"reset in state {self.state.value}: `abort` first")
-        gripper = self._known().gripper
-        if self.grip and (gripper is None or gripper.holding):
-            raise Refused("the gripper holds something: `release` lets it go, `start` carries on")
-        self.grip, self._opening, self._approach, self._carry = False, False, None, None
-        self._go(State.IDLE, "ready: `tandem task start`", self._seen)
-
-    def _open_idle(self, starting: bool) -> None:
-        self._opening, self._starting, self.since = True, starting, 0.0
-        self._opened.reset()
-
-    def _carry_from(self, seen: Seen) -> Carry:
-        """Carry on from where the tool is now, with what the robot carries already."""
-        nominal = self._carry.nominal if self._carry else None
-        self._carry = Carry(self._settings, seen.tool, float(seen.tool.position[2]), nominal)
-        return self._carry
-
     def _recalled_carry(self, entry: Entry, home: Pose) -> Carry:
         nominal = NominalWrench(self._settings.half_weight, entry.nominal, entry.supported)
         return Carry(self._settings, home, float(entry.target.position[2]), nominal)
-
-    def _known(self) -> Seen:
-        if self._seen is None or not self.ready:
-            raise Refused(f"not yet: {self.reason}")
-        return self._seen
 
     def _with_slip(self, seen: Seen | None, faults: Sequence[Present], dt: float) -> Sequence[Present]:
         held = self.grip and self.state in (State.CARRYING, State.RELEASING)
