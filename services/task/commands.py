@@ -11,6 +11,7 @@ from services.task.faults import Kind, Present
 from services.task.parameters import TaskParameters
 from services.task.states import REACTIONS, Seen, State
 from services.task.timers import Held
+from shared.messages import GripperState
 from shared.parameters import Refused
 
 
@@ -58,6 +59,8 @@ class Commands(ABC):
             blocking = [fault for fault in self._faults if fault.kind in REACTIONS[State.CARRYING]]
             if blocking:
                 raise Refused(f"cannot carry on: {blocking[0].sentence}")
+            if not _gripper(seen).holding:
+                raise Refused("cannot carry on: the gripper holds nothing; `reset` begins anew")
             self._carry_from(seen)
             return self._go(State.CARRYING, "carrying on", seen)
         if self.state is not State.IDLE:
@@ -70,9 +73,7 @@ class Commands(ABC):
         for fault in self._faults:
             if fault.kind is Kind.STOPPED:
                 raise Refused(fault.sentence)
-        if seen.gripper is None:
-            raise Refused("state/gripper is not known: is the robot process running?")
-        if seen.gripper.holding:
+        if _gripper(seen).holding:
             raise Refused("the gripper holds something: `release` opens it")
         self._open_idle(starting=True)
 
@@ -122,3 +123,9 @@ class Commands(ABC):
         if self._seen is None or not self.ready:
             raise Refused(f"not yet: {self.reason}")
         return self._seen
+
+
+def _gripper(seen: Seen) -> GripperState:
+    if seen.gripper is None:
+        raise Refused("state/gripper is not known: is the robot process running?")
+    return seen.gripper

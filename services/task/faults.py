@@ -19,6 +19,8 @@ class Kind(Enum):
     """The wrench still contains the gripper's weight."""
     PARALYSED = "paralysed"
     """The controller does not follow its target."""
+    UNSURE = "unsure"
+    """Whether the gripper holds is not known."""
     LOOSE = "loose"
     """The gripper does not hold what it should."""
     BLIND = "blind"
@@ -48,7 +50,14 @@ FAULTS: dict[str, tuple[Kind, str]] = {
     ),
     "controller_silent": (Kind.PARALYSED, "control/status is {}. Is controller running?"),
     "controller_braking": (Kind.PARALYSED, "the controller brakes ({})"),
-    "slipped": (Kind.LOOSE, "the gripper says that it does not hold the panel any more"),
+    "gripper_silent": (
+        Kind.UNSURE,
+        "state/gripper is silent or marked invalid. Is the robot process running?",
+    ),
+    "slipped": (
+        Kind.LOOSE,
+        "the gripper says that it does not hold the panel any more: `reset` begins anew",
+    ),
     "camera_never": (Kind.BLIND, "waiting for sensor/camera: never received. Is the camera on?"),
     "camera_silent": (Kind.BLIND, "no image for {}. Is the camera on?"),
     "camera_broken": (Kind.BLIND, "the camera's image cannot be read: {}"),

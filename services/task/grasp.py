@@ -43,5 +43,9 @@ class GraspWatch:
         return self._settled.update(self._verified.update(not reasons, dt), dt)
 
     def slipped(self, gripper: GripperState | None, dt: float) -> bool:
-        """Whether what was held has been lost; not to know is no loss."""
-        return self._slipped.update(gripper is not None and not gripper.holding, dt)
+        """Whether what was held has been lost; not to know is no loss, and finds nothing again."""
+        return self._slipped.update(not gripper.holding, dt) if gripper else self._slipped.reached
+
+    def forget(self) -> None:
+        """Nothing is held that could be lost."""
+        self._slipped.reset()

@@ -13,7 +13,7 @@ from services.task.grasp import GraspWatch
 from services.task.journal import Entry, Recalled
 from services.task.nominal import NominalWrench
 from services.task.parameters import TaskParameters
-from services.task.states import Decision, Grip, Seen, State, patience
+from services.task.states import HELD, Decision, Grip, Seen, State, patience
 from services.task.timers import Held
 
 _OPEN_AFTER = 0.3  # [s]
@@ -93,7 +93,7 @@ class Machine(Commands):
             dt: time [s] since the last one.
         """
         self.since += dt
-        self._seen, self._faults = seen, self._with_slip(seen, faults, dt)
+        self._seen, self._faults = seen, self._with_grip(seen, faults, dt)
         decision = self._react(dt) or self._work(dt)
         self.reason = decision.reason
         if decision.after is not None:
@@ -133,6 +133,9 @@ class Machine(Commands):
             return Decision(self.reason)
         if self.state is State.HOLDING:
             self._rest = self._rest or seen.tool
+            if carry is not None and self._loose:
+                # What the tool does not carry any more, the limits must not be centred on.
+                carry.nominal.fade(dt)
             return Decision(self._why_held(), self._rest, self._nominal(), gripper=self._kept())
         steps = (
             {}
@@ -157,6 +160,8 @@ class Machine(Commands):
 
     def _why_held(self) -> str:
         """The reason as long as it lasts, then what to do."""
+        if loose := self._loose:
+            return loose.sentence
         cause = self._cause
         if cause is None or any(fault.name == cause.name for fault in self._faults):
             return self.reason
@@ -197,10 +202,19 @@ class Machine(Commands):
         nominal = NominalWrench(self._settings.half_weight, entry.nominal, entry.supported)
         return Carry(self._settings, home, float(entry.target.position[2]), nominal)
 
-    def _with_slip(self, seen: Seen | None, faults: Sequence[Present], dt: float) -> Sequence[Present]:
-        held = self.grip and self.state in (State.CARRYING, State.RELEASING)
-        slipped = self._watch.slipped(seen.gripper if seen and held else None, dt)
-        return (*faults, Present("slipped")) if slipped else faults
+    def _with_grip(self, seen: Seen | None, faults: Sequence[Present], dt: float) -> Sequence[Present]:
+        """The faults, with those of the grip while the panel is held."""
+        if self._carry is None or not self.grip or self.state not in HELD:
+            self._watch.forget()
+            return faults
+        grip = [Present("slipped")] if self._watch.slipped(seen.gripper if seen else None, dt) else []
+        if seen is not None and seen.gripper is None:
+            grip.append(Present("gripper_silent"))
+        return (*faults, *grip)
+
+    @property
+    def _loose(self) -> Present | None:
+        return next((fault for fault in self._faults if fault.kind is Kind.LOOSE), None)
 
     def _nominal(self) -> float:
         return self._carry.nominal.force if self._carry and self.grip else 0.0

@@ -100,11 +100,13 @@ REACTIONS: dict[State, dict[Kind, str]] = {
     State.SEARCHING: _TARED,
     State.APPROACHING: {**_TARED, Kind.BLIND: _MARKER},
     State.GRASPING: _TARED,
-    State.CARRYING: {**_TARED, Kind.LOOSE: _NOW},
-    State.RELEASING: {**_TARED, Kind.LOOSE: _NOW},
+    State.CARRYING: {**_TARED, Kind.UNSURE: _PATIENCE, Kind.LOOSE: _NOW},
+    State.RELEASING: {**_TARED, Kind.UNSURE: _PATIENCE, Kind.LOOSE: _NOW},
     State.RETREATING: _MOVING,
 }
 """How long each state stands still for each kind of fault before it gives up to holding; what is missing it ignores."""
+HELD = (State.CARRYING, State.RELEASING, State.HOLDING)
+"""States in which a panel that was grasped is in the gripper, or has slipped out of it."""
 AT_REST = (State.IDLE, State.DONE)
 """States that want nothing of the robot."""
 

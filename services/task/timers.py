@@ -15,6 +15,11 @@ class Held:
     def update(self, condition: bool, dt: float) -> bool:
         """Account for ``dt`` [s] with the condition."""
         self.time = self.time + dt if condition else 0.0
+        return self.reached
+
+    @property
+    def reached(self) -> bool:
+        """Whether it had at the last update."""
         return self.time >= self._duration
 
     def reset(self) -> None:

@@ -48,3 +48,5 @@ def test_slipped_by_the_gripper_s_word_for_a_while() -> None:
     assert not watch.slipped(empty, DT)
     assert not any([watch.slipped(HOLDS, DT) or watch.slipped(None, DT) for _ in range(100)])
     assert any([watch.slipped(empty, DT) for _ in range(20)])
+    assert watch.slipped(None, DT), "what was lost is not found by silence"
+    assert not watch.slipped(HOLDS, DT)

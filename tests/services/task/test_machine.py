@@ -12,6 +12,7 @@ from services.task.journal import Recalled
 from services.task.machine import Machine
 from services.task.parameters import TaskParameters
 from services.task.states import REACTIONS, Decision, State
+from shared.messages import GripperState
 from shared.parameters import Refused
 from tests.services.task.toy import Toy
 
@@ -370,9 +371,58 @@ def test_release_by_word_waits_for_the_weight_then_a_second_word_opens() -> None
     play.to(State.DONE)
 
 
-def test_lost_from_the_gripper_it_holds() -> None:
-    play = Play().reach(State.CARRYING)
-    play.changed = {"gripper": type(play.toy.gripper)(0.0, 0.0, False)}
+def lifted(**parameters: object) -> Play:
+    """While carrying, with half the weight taken over."""
+    play = Play(**parameters).reach(State.CARRYING)
+    play.toy.lifted = True
+    play.run(2.0)
+    return play
+
+
+EMPTY = GripperState(0.0, 0.0, False)
+
+
+@pytest.mark.parametrize("held_before", [False, True])
+def test_lost_from_the_gripper_it_holds_and_carries_nothing_by_agreement(held_before: bool) -> None:
+    play = lifted()
+    if held_before:
+        play.machine.command("abort")
+        play.run(0.5)
+    assert play.decision.nominal == pytest.approx(-play.settings.half_weight)
+    play.changed = {"gripper": EMPTY}
     play.run(0.5)
     assert play.state is State.HOLDING and "does not hold the panel any more" in play.machine.reason
+    play.run(2.0)
+    assert play.decision.nominal == 0.0
+    with pytest.raises(Refused, match="`reset` begins anew"):
+        play.machine.command("start")
     assert play.machine.command("reset") is State.IDLE
+
+
+def test_carrying_on_needs_a_gripper_that_holds_now() -> None:
+    play = lifted()
+    play.machine.command("abort")
+    play.changed = {"gripper": EMPTY}
+    play.tick()
+    with pytest.raises(Refused, match="the gripper holds nothing"):
+        play.machine.command("start")
+    play.changed = {"gripper": None}
+    play.tick()
+    with pytest.raises(Refused, match="state/gripper is silent"):
+        play.machine.command("start")
+    play.changed = {}
+    play.tick()
+    assert play.machine.command("start") is State.CARRYING
+
+
+def test_a_silent_gripper_stops_the_base_and_is_waited_for() -> None:
+    play = lifted()
+    play.changed = {"gripper": None}
+    play.tick()
+    assert not play.decision.base and "state/gripper" in play.machine.reason
+    play.run(2.5)
+    assert play.state is State.CARRYING
+    assert play.decision.nominal == pytest.approx(-play.settings.half_weight), "not to know is no loss"
+    play.run(1.0)
+    assert play.state is State.HOLDING and "state/gripper" in play.machine.reason
+    assert play.decision.gripper is not None and play.decision.gripper.opening == 0.0

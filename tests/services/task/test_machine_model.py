@@ -11,10 +11,12 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 from services.task.faults import FAULTS, Kind, Present
 from services.task.states import Decision, State
 from shared.parameters import Refused
-from tests.services.task.test_machine import ORDER, Play
+from tests.services.task.test_machine import DT, ORDER, Play
 from tests.services.task.toy import MARKER
 
 MOVED = 1e-6  # [m], [rad]
+NOTICED, FADED = 0.4, 2.0
+"""Time [s] that the gripper has said that it holds nothing after which the base stands, and nothing is nominal."""
 
 
 class Anything(RuleBasedStateMachine):
@@ -26,6 +28,7 @@ class Anything(RuleBasedStateMachine):
         self.before = self.play.state
         self.decision = Decision("none yet")
         self.doubtful = 0
+        self.empty_for = 0.0
         self.lost = False
 
     def tick(self) -> None:
@@ -37,6 +40,11 @@ class Anything(RuleBasedStateMachine):
         faults, play.faults = play.faults, [*play.faults, *hidden]
         if self.lost:
             play.faults = [Present("tool", "silent")]
+        self.known = not self.lost and "gripper" not in play.changed
+        if play.toy.gripped:
+            self.empty_for = 0.0
+        elif self.known:
+            self.empty_for += DT
         self.decision = play.tick(self.lost)
         play.faults = faults
         self.check()
@@ -55,14 +63,18 @@ class Anything(RuleBasedStateMachine):
             self.doubtful, self.anchor = 0, None
         if decision.base:
             assert self.before is State.CARRYING and play.machine.grip
+            assert self.known and self.empty_for < NOTICED
+        if self.empty_for > FADED:
+            assert decision.nominal == 0.0, play.state
         if any(fault.kind is Kind.STOPPED for fault in play.faults) and not self.lost:
             assert play.state in (State.IDLE, State.DONE, State.HOLDING), play.state
         assert -play.settings.half_weight <= decision.nominal <= 0.0
         if play.machine.grip and decision.gripper is not None:
             assert decision.gripper.opening == 0.0
 
-    @initialize(state=st.sampled_from(ORDER))
-    def begin_in(self, state: State) -> None:
+    @initialize(state=st.sampled_from(ORDER), lifted=st.booleans())
+    def begin_in(self, state: State, lifted: bool) -> None:
+        self.play.toy.lifted = lifted
         self.play.reach(state)
 
     @rule(steps=st.integers(1, 150))
@@ -121,9 +133,10 @@ class Anything(RuleBasedStateMachine):
     def person(self, rate: float, lifted: bool, far: float | None) -> None:
         self.play.toy.roll_rate, self.play.toy.lifted, self.play.toy.far_height = rate, lifted, far
 
-    @rule()
-    def slips(self) -> None:
-        self.play.toy.gripped = False
+    @rule(steps=st.integers(1, 150))
+    def slips(self, steps: int) -> None:
+        self.play.toy.slip()
+        self.time_passes(steps)
 
     @invariant()
     def always_says_why(self) -> None:

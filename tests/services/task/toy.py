@@ -38,7 +38,7 @@ class Toy:
         self.stands = self.parameters.half_width
         self.speed = self.turning = 0.0
         self.session = 1
-        self.gripped = False
+        self.gripped = self._slipped = False
 
     @property
     def grasp(self) -> Pose:
@@ -73,6 +73,10 @@ class Toy:
         self.tool = moved
         self.speed, self.turning = moved.distance(before) / dt, moved.angle(before) / dt
 
+    def slip(self) -> None:
+        """The panel slips out of the fingers, and is not between them again before they have opened."""
+        self.gripped, self._slipped = False, True
+
     def seen(self, **changed: object) -> Seen:
         """What the task would see."""
         values = {
@@ -90,11 +94,11 @@ class Toy:
         step = 0.1 * dt
         self.opening += min(step, max(-step, self.wanted - self.opening))
         width = self.parameters.panel_thickness
-        at_panel = self.gripped or self.tool.near(self.grasp, 0.02, 0.1)
+        at_panel = self.gripped or (self.tool.near(self.grasp, 0.02, 0.1) and not self._slipped)
         if at_panel and self.wanted < width and self.opening <= width:
             self.opening, self.gripped = width, True
         elif self.wanted >= width and self.opening > width + 1e-4:
-            self.gripped = False
+            self.gripped = self._slipped = False
 
     def _led(self, tool: Pose) -> Pose:
         roll, _, yaw = tool.rpy.tolist()
