@@ -114,9 +114,11 @@ class Commands(ABC):
         self._opened.reset()
 
     def _carry_from(self, seen: Seen) -> Carry:
-        """Carry on from where the tool is now, with what the robot carries already."""
-        nominal = self._carry.nominal if self._carry else None
-        self._carry = Carry(self._settings, seen.tool, float(seen.tool.position[2]), nominal)
+        """Carry on from where the tool is now, with what the robot carries and how far it has turned already."""
+        before = self._carry
+        home = seen.tool if before is None else seen.tool.rolled_as(before.home)
+        nominal = before.nominal if before else None
+        self._carry = Carry(self._settings, home, float(seen.tool.position[2]), nominal)
         return self._carry
 
     def _known(self) -> Seen:

@@ -54,6 +54,11 @@ class Pose:
         """Moved along its own x axis [m]."""
         return Pose(self.position + along_x * self.rotation[:, 0], self.rotation)
 
+    def rolled_as(self, other: Pose) -> Pose:
+        """With the roll of another one: it is referred to gravity, and means the same wherever the robot stands."""
+        _, pitch, yaw = self.rpy.tolist()
+        return Pose.from_rpy(self.position.tolist(), (float(other.rpy[0]), pitch, yaw))
+
     def distance(self, other: Pose) -> float:
         """Distance [m] of the origins."""
         return float(np.linalg.norm(self.position - other.position))

@@ -57,7 +57,8 @@ class Machine(Commands):
             self._carry = self._recalled_carry(entry, entry.home)
             self._go(State.CARRYING, "carrying on after a restart", seen)
         elif self.grip:
-            self._carry = self._recalled_carry(recalled.kept, seen.tool) if recalled.kept else None
+            kept = recalled.kept
+            self._carry = self._recalled_carry(kept, seen.tool.rolled_as(kept.home)) if kept else None
             what = recalled.reason or "no journal says what it is"
             self._go(State.HOLDING, f"the gripper holds something: {what}; `start` or `release`", seen)
         else:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from services.task.geometry import Pose
 from services.task.journal import Entry, Journal, judge
 from services.task.machine import Machine
 from services.task.parameters import TaskParameters
@@ -133,6 +134,18 @@ def test_otherwise_a_full_gripper_is_held_where_it_is(name: str) -> None:
     decision = machine.step(sight, (), 0.02)
     assert decision.target.near(sight.tool, 1e-9, 1e-7)
     assert decision.gripper is not None and decision.gripper.opening == 0.0
+
+
+def test_held_after_a_restart_it_is_turned_as_far_as_it_was() -> None:
+    turned = START @ Pose.from_rpy((0.0, 0.0, 0.0), (0.8, 0.0, 0.0))
+    sight = Toy().seen(gripper=FULL, session=2, tool=turned)
+    machine = Machine(SETTINGS)
+    machine.resume(judge(ENTRY, "", sight, SETTINGS, 110.0), sight)
+    assert machine.state is State.HOLDING and machine.rotation == pytest.approx(0.8)
+    machine.command("start")
+    machine.step(sight, (), 0.02)
+    assert machine.state is State.CARRYING and machine.rotation == pytest.approx(0.8)
+    assert machine.entry(None).home.position == pytest.approx(turned.position), "elsewhere it begins anew"
 
 
 @pytest.mark.parametrize("session", [1, 2])

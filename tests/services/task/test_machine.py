@@ -14,7 +14,7 @@ from services.task.parameters import TaskParameters
 from services.task.states import REACTIONS, Decision, State
 from shared.messages import GripperState
 from shared.parameters import Refused
-from tests.services.task.toy import Toy
+from tests.services.task.toy import START, Toy
 
 DT = 0.02
 
@@ -397,6 +397,30 @@ def test_lost_from_the_gripper_it_holds_and_carries_nothing_by_agreement(held_be
     with pytest.raises(Refused, match="`reset` begins anew"):
         play.machine.command("start")
     assert play.machine.command("reset") is State.IDLE
+
+
+def turned_by(play: Play, degrees: float) -> None:
+    """The person turns the panel until it is turned that far since the grasp, whatever the task thinks."""
+    play.toy.roll_rate = 0.2
+    play.run(20.0, lambda: play.toy.tool.rpy[0] >= math.radians(degrees) + START.rpy[0])
+    play.toy.roll_rate = 0.0
+    assert math.degrees(play.toy.tool.rpy[0] - START.rpy[0]) == pytest.approx(degrees, abs=1.0)
+
+
+def test_carrying_on_remembers_how_far_the_panel_was_turned() -> None:
+    play = lifted()
+    turned_by(play, 45.0)
+    play.machine.command("abort")
+    play.run(0.5)
+    play.machine.command("start")
+    play.tick()
+    assert math.degrees(play.machine.rotation) == pytest.approx(45.0, abs=1.0)
+    turned_by(play, 80.0)
+    play.tick()
+    assert play.decision.target.rpy[0] == pytest.approx(START.rpy[0] + math.pi / 2, abs=0.02), "it snaps"
+    play.toy.far_height = play.toy.stands
+    play.to(State.DONE)
+    assert math.degrees(play.toy.tool.rpy[0] - START.rpy[0]) == pytest.approx(90.0, abs=16.0)
 
 
 def test_carrying_on_needs_a_gripper_that_holds_now() -> None:
