@@ -14,6 +14,8 @@ from services.task.timers import Held
 from shared.messages import GripperState
 from shared.parameters import Refused
 
+ABORTED = "aborted: `start` carries on if the panel is held, `reset` begins anew"
+
 
 class Commands(ABC):
     """Start, abort, release and reset: each is done, or refused with the reason and what to do instead."""
@@ -26,6 +28,7 @@ class Commands(ABC):
     _settings: TaskParameters
     _approach: Approach | None
     _carry: Carry | None
+    _aborted: bool
     _opening: bool
     _starting: bool
     _opened: Held
@@ -78,9 +81,9 @@ class Commands(ABC):
         self._open_idle(starting=True)
 
     def _abort(self) -> None:
-        self._go(
-            State.HOLDING, "aborted: `start` carries on if the panel is held, `reset` begins anew", self._seen
-        )
+        # An abort before it is ready must not be undone by what the journal says.
+        self._aborted = not self.ready
+        self._go(State.HOLDING, ABORTED, self._seen)
 
     def _release(self) -> None:
         seen = self._known()

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from services.task.approach import Approach, closing, is_open, opening
 from services.task.carry import Carry
-from services.task.commands import Commands
+from services.task.commands import ABORTED, Commands
 from services.task.faults import Kind, Present
 from services.task.geometry import Pose, roll_since
 from services.task.grasp import GraspWatch
@@ -42,14 +42,17 @@ class Machine(Commands):
         self._rest: Pose | None = None
         self._cause: Present | None = None
         self._waited = 0.0
-        self._opening = self._starting = False
+        self._aborted = self._opening = self._starting = False
         self._opened = Held(_OPEN_AFTER)
         self._watch = GraspWatch()
         self._seen: Seen | None = None
         self._faults: Sequence[Present] = ()
 
     def resume(self, recalled: Recalled, seen: Seen) -> None:
-        """Begin where the journal says that the last process stopped, or idle; with a full gripper never idle."""
+        """Begin where the journal says that the last process stopped, or idle; with a full gripper never idle.
+
+        Somebody who has aborted already finds it holding, with what the journal says of the carry.
+        """
         assert seen.gripper is not None
         self.ready, self._seen, entry = True, seen, recalled.entry
         self.grip = seen.gripper.holding
@@ -63,6 +66,8 @@ class Machine(Commands):
             self._go(State.HOLDING, f"the gripper holds something: {what}; `start` or `release`", seen)
         else:
             self._go(State.IDLE, recalled.reason or "ready: `tandem task start`", seen)
+        if self._aborted:
+            self._go(State.HOLDING, ABORTED, seen)
 
     def entry(self, target: Pose | None) -> Entry | None:
         """What a restart has to know; None while nothing is held."""

@@ -15,6 +15,7 @@ from services.task.machine import Machine
 from services.task.parameters import TaskParameters
 from services.task.states import Seen, State
 from shared.messages import GripperState
+from shared.parameters import Refused
 from tests.services.task.toy import START, Toy
 
 SETTINGS = TaskParameters()
@@ -146,6 +147,23 @@ def test_held_after_a_restart_it_is_turned_as_far_as_it_was() -> None:
     machine.step(sight, (), 0.02)
     assert machine.state is State.CARRYING and machine.rotation == pytest.approx(0.8)
     assert machine.entry(None).home.position == pytest.approx(turned.position), "elsewhere it begins anew"
+
+
+def test_an_abort_before_it_is_ready_is_not_undone_by_the_journal() -> None:
+    machine = Machine(SETTINGS)
+    for word in ("start", "release", "reset"):
+        with pytest.raises(Refused, match="not yet"):
+            machine.command(word)
+    assert machine.command("abort") is State.HOLDING
+    for word in ("start", "release", "reset"):
+        with pytest.raises(Refused, match="not yet"):
+            machine.command(word)
+    machine.resume(judge(ENTRY, "", seen(), SETTINGS, 110.0), seen())
+    assert machine.state is State.HOLDING and "aborted" in machine.reason
+    decision = machine.step(seen(), (), 0.02)
+    assert not decision.base and decision.nominal == -7.0 and machine.grip
+    assert machine.command("start") is State.CARRYING
+    assert machine.step(seen(), (), 0.02).base
 
 
 @pytest.mark.parametrize("session", [1, 2])

@@ -310,6 +310,21 @@ def test_killed_and_restarted_while_carrying_goes_on_without_a_jump(tmp_path: Pa
     rig.until("done", 90.0)
 
 
+def test_an_abort_before_a_restart_is_ready_is_kept(tmp_path: Path) -> None:
+    rig = Rig(tmp_path).carrying()
+    rig.kill_task()
+    rig.run(1.0)
+    rig.start_task()
+    rig.run(0.2)
+    assert rig.ask("abort") == "holding"
+    for received in rig.robot.received.values():
+        received.clear()
+    rig.run(1.0)
+    assert rig.robot.state == "holding" and "aborted" in rig.robot.reason
+    assert not any(r.message.enabled for r in rig.robot.received[BASE_ENABLE.key])
+    assert rig.ask("start") == "carrying"
+
+
 def test_restarted_when_idle_it_is_idle(tmp_path: Path) -> None:
     rig = Rig(tmp_path).begun().until("done", 120.0)
     rig.kill_task()
