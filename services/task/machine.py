@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from services.task.approach import Approach, closing, is_open, opening
 from services.task.carry import Carry
@@ -101,6 +102,8 @@ class Machine(Commands):
         self.since += dt
         self._seen, self._faults = seen, self._with_grip(seen, faults, dt)
         decision = self._react(dt) or self._work(dt)
+        if decision.base and seen is not None and not seen.guarded:
+            decision = replace(decision, base=False)
         self.reason = decision.reason
         if decision.after is not None:
             self._go(decision.after, decision.reason, seen)

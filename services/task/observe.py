@@ -9,6 +9,9 @@ from services.task.geometry import Pose
 from services.task.marker import MarkerTracker
 from services.task.parameters import TaskParameters
 from services.task.states import Seen
+from shared.clock import seconds
+from shared.inlet import PERIODS_TO_SILENCE, SLOWEST_PERIOD
+from shared.messages import Header
 from shared.service import Inputs, Reading
 from shared.topics import (
     CONTROL_STATUS,
@@ -19,6 +22,9 @@ from shared.topics import (
     WRENCH_EXTERNAL,
 )
 
+GUARDED_MAX_AGE = 0.08
+"""Age [s] of a control status up to which the base may follow, or three of its periods if that is more: with a step of
+the task and one of the base it is braking 120 ms after the last command of a controller that is no more."""
 WRENCH_MAX_AGE = 0.2
 """Age [s] of a wrench that the task still uses: its decisions take a second, those of the controller a hundredth."""
 
@@ -30,6 +36,8 @@ class Observer:
         self._settings = parameters
         self._stop: str | None = None
         self._session: int | None = None
+        self._status: Header | None = None
+        self._period = 0.0
 
     def look(self, inputs: Inputs, tracker: MarkerTracker) -> tuple[Seen, list[Present]]:
         """What is known now, and what is wrong."""
@@ -60,6 +68,7 @@ class Observer:
             gripper=gripper.message if fresh and gripper is not None else None,
             marker=tracker.pose,
             doubt=tracker.doubt,
+            guarded=self._guarded(inputs.get(CONTROL_STATUS)),
         )
         return seen, faults
 
@@ -93,6 +102,16 @@ class Observer:
         if reading.message.compensation == "tare" and self._settings.compensation == "payload":
             return [Present("unidentified")]
         return []
+
+    def _guarded(self, reading: Reading | None) -> bool:
+        if reading is None or reading.message.state not in ("tracking", "yielding"):
+            return False
+        before, self._status = self._status, reading.header
+        sent = reading.header.seq - before.seq if before else 0
+        if before is not None and before.session == reading.header.session and sent > 0:
+            self._period = seconds(reading.header.stamp - before.stamp) / sent
+        slowest = PERIODS_TO_SILENCE * min(self._period, SLOWEST_PERIOD)
+        return reading.header.valid and reading.age <= max(GUARDED_MAX_AGE, slowest)
 
 
 def _controller(inputs: Inputs) -> Present | None:

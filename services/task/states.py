@@ -41,6 +41,7 @@ class Seen:
         gripper: its state.
         marker: the marker in base, from a fresh image.
         doubt: why there is no marker pose.
+        guarded: whether a controller keeps the limits at this instant; the base must not follow while none does.
     """
 
     tool: Pose
@@ -51,6 +52,7 @@ class Seen:
     gripper: GripperState | None = None
     marker: Pose | None = None
     doubt: Present | None = None
+    guarded: bool = False
 
     @property
     def force(self) -> float:

@@ -46,7 +46,9 @@ class Robot:
 
     Attributes:
         muted: keys that are not published any more.
+        every: ticks between two wrenches, and two statuses of the controller.
         compensation: what the wrench service says.
+        control: state of the controller while it does not brake.
         shown: marker pose in base that the camera sees; None covers it.
         number: of that marker.
         received: every message of each key that the task publishes.
@@ -57,9 +59,11 @@ class Robot:
     def __init__(self, watch: Callable[..., Any], parameters: TaskParameters | None = None) -> None:
         self.toy = Toy(parameters)
         self.muted: set[str] = set()
+        self.every = 1
         self.compensation = "payload"
         self.wrench_fault = ""
         self.braking = ""
+        self.control = "tracking"
         self.mode = "ready"
         self.shown: Pose | None = MARKER
         self.number = self.toy.parameters.marker_id
@@ -91,15 +95,13 @@ class Robot:
         toy = self.toy
         toy.advance(TICK)
         wrench = toy.wrench
-        messages: list[tuple[Topic, Record, bool]] = [
-            (STATE_EE, self._tool(), True),
-            (
-                WRENCH_EXTERNAL,
-                ExternalWrench(wrench[:3], wrench[3:], np.full(6, 0.2), self.compensation, self.wrench_fault),
-                not self.wrench_fault,
-            ),
-            (CONTROL_STATUS, self._status(), True),
-        ]
+        messages: list[tuple[Topic, Record, bool]] = [(STATE_EE, self._tool(), True)]
+        if number % self.every == 0:
+            felt = ExternalWrench(
+                wrench[:3], wrench[3:], np.full(6, 0.2), self.compensation, self.wrench_fault
+            )
+            messages.append((WRENCH_EXTERNAL, felt, not self.wrench_fault))
+            messages.append((CONTROL_STATUS, self._status(), True))
         if number % 5 == 0:
             messages.append((STATE_GRIPPER, toy.gripper, True))
         if number % 20 == 0:
@@ -134,7 +136,7 @@ class Robot:
         return EndEffector(toy.tool.position, toy.tool.orientation, linear, angular)
 
     def _status(self) -> ControlStatus:
-        state = "braking" if self.braking else "tracking"
+        state = "braking" if self.braking else self.control
         return ControlStatus(state, self.braking, "certified", _STILL, _STILL, _STILL, 0.0, 0.0, 50.0)
 
     def _image(self) -> CameraImage:

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from services.base.base import Base
+from services.base.parameters import BaseParameters
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
 from services.task.task import Task
@@ -19,6 +21,7 @@ from shared.parameters import Refused
 from shared.stack import Stack
 from shared.topics import (
     BASE_ENABLE,
+    BASE_STATUS,
     COMMAND_GRIPPER,
     COMMAND_HEAD,
     CONTROL_STATUS,
@@ -263,6 +266,35 @@ def test_lost_controller_or_pose_while_carrying(key: str) -> None:
     rig.robot.muted.add(key)
     rig.until("holding", 8.0)
     assert rig.robot.toy.gripped
+
+
+@pytest.mark.parametrize("every", [1, 3])
+def test_the_base_stands_as_soon_as_nobody_keeps_the_limits(every: int) -> None:
+    rig = Rig()
+    rig.robot.every = every
+    rig.stack.add(Base(BaseParameters()))
+    base = rig.stack.client.watch(BASE_STATUS)
+    rig.carrying()
+    enables = rig.robot.received[BASE_ENABLE.key]
+    before = len(enables)
+    rig.run(3.0)
+    assert all(r.message.enabled for r in enables[before:]) and base.latest.message.state == "following"
+    last = rig.stack.now
+    rig.robot.muted.add(CONTROL_STATUS.key)
+    rig.stack.run(1.0, lambda: base.latest.message.state != "following")
+    # At 30 Hz three periods are 0.1 s, to which the task's step and the base's come.
+    assert rig.stack.now - last <= (0.12 if every == 1 else 0.16)
+    assert rig.robot.state == "carrying", "a short silence is no reason to give up"
+    rig.robot.muted.clear()
+    rig.run(0.1)
+    assert rig.robot.last(BASE_ENABLE).enabled
+
+
+def test_the_base_stands_while_the_controller_waits() -> None:
+    rig = Rig().carrying()
+    rig.robot.control = "waiting"
+    rig.run(0.1)
+    assert rig.robot.state == "carrying" and not rig.robot.last(BASE_ENABLE).enabled
 
 
 def test_stop_holds_until_it_is_released_and_started() -> None:

@@ -87,6 +87,7 @@ class Toy:
             "wrench": self.wrench,
             "gripper": self.gripper,
             "marker": self.marker,
+            "guarded": True,
         }
         return Seen(**{**values, **changed})
 
