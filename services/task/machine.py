@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -111,11 +112,8 @@ class Machine(Commands):
 
     def _react(self, dt: float) -> Decision | None:
         """Stand still for a fault that concerns the state, and hold when it has lasted too long."""
-        concerns = [(patience(self.state, fault.kind, self._settings), fault) for fault in self._faults]
+        concerns = [(self._patience(fault.kind), fault) for fault in self._faults]
         serious = [(limit, fault) for limit, fault in concerns if limit is not None]
-        if self.state is State.RELEASING and self._carry is not None and self._carry.opening:
-            # What has been let go cannot be held for a fault of what held it.
-            serious = [(limit, fault) for limit, fault in serious if fault.kind in (Kind.STOPPED, Kind.LOST)]
         if not serious:
             # Without the tool's pose there is nothing to compute; the last target stays.
             self._waited = 0.0
@@ -129,9 +127,32 @@ class Machine(Commands):
         head = None
         if self.state is State.CALIBRATING:
             head = (self._settings.head_pan, self._settings.head_tilt)
+        way_out = "; `release` again opens at once" if self._asked else ""
         return Decision(
-            f"waiting: {fault.sentence}", self._rest, self._nominal(), gripper=self._kept(), head=head
+            f"waiting: {fault.sentence}{way_out}",
+            self._rest,
+            self._nominal(),
+            gripper=self._kept(),
+            head=head,
         )
+
+    def _patience(self, kind: Kind) -> float | None:
+        """Time [s] that is waited for a fault of a kind to go away; None if it does not matter now."""
+        limit = patience(self.state, kind, self._settings)
+        if self.state is not State.RELEASING or self._carry is None or kind in (Kind.STOPPED, Kind.LOST):
+            return limit
+        if self._carry.opening:
+            # What has been let go cannot be held for a fault of what held it.
+            return None
+        if self._asked and limit is not None:
+            # Held for good by a sensor that went wrong, nobody would get the panel out of the gripper.
+            return None if kind is Kind.LOOSE else math.inf
+        return limit
+
+    @property
+    def _asked(self) -> bool:
+        """Whether a person has said that the panel is to be let go."""
+        return self.state is State.RELEASING and self._carry is not None and self._carry.asked
 
     def _work(self, dt: float) -> Decision:
         seen, approach, carry = self._seen, self._approach, self._carry

@@ -399,6 +399,28 @@ def test_lost_from_the_gripper_it_holds_and_carries_nothing_by_agreement(held_be
     assert play.machine.command("reset") is State.IDLE
 
 
+@pytest.mark.parametrize("first", ["fault", "release"])
+@pytest.mark.parametrize(
+    "name",
+    ["untared", "unidentified", "wrench_invalid", "wrench_never", "controller_braking", "gripper_silent"],
+)
+def test_no_fault_of_a_sensor_keeps_the_panel_from_who_asks_twice(name: str, first: str) -> None:
+    play = lifted()
+    if first == "fault":
+        play.faults = [Present(name)]
+        play.to(State.HOLDING, 5.0)
+    assert play.machine.command("release") is State.RELEASING
+    play.faults = [Present(name)]
+    if name.startswith("wrench"):
+        play.changed = {"wrench": None}
+    play.run(10.0)
+    assert play.state is State.RELEASING and play.toy.gripped, "no force that is known, no opening"
+    assert Present(name).sentence in play.machine.reason and "`release` again opens" in play.machine.reason
+    play.machine.command("release")
+    play.run(5.0)
+    assert not play.toy.gripped and play.opened_in == {State.IDLE, State.RELEASING}
+
+
 def turned_by(play: Play, degrees: float) -> None:
     """The person turns the panel until it is turned that far since the grasp, whatever the task thinks."""
     play.toy.roll_rate = 0.2
