@@ -121,7 +121,7 @@ class Machine(Commands):
         limit, fault = min(serious, key=lambda pair: (pair[0], list(Kind).index(pair[1].kind)))
         self._rest = (self._seen.tool if self._seen else None) if self._waited == 0.0 else self._rest
         self._waited += dt
-        if self._waited > limit:
+        if self._waited >= limit:
             self._cause = fault
             return Decision(fault.sentence, self._rest, self._nominal(), after=State.HOLDING)
         head = None

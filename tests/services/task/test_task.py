@@ -297,6 +297,27 @@ def test_the_base_stands_while_the_controller_waits() -> None:
     assert rig.robot.state == "carrying" and not rig.robot.last(BASE_ENABLE).enabled
 
 
+@pytest.mark.parametrize("failing", [1, 1000])
+def test_a_step_that_fails_holds_and_does_not_go_on_by_itself(failing: int) -> None:
+    rig = Rig().carrying()
+    look, left = rig.task._observer.look, [failing]
+
+    def fail(*arguments: Any) -> Any:
+        left[0] -= 1
+        if left[0] < 0:
+            return look(*arguments)
+        raise ValueError("boom")
+
+    rig.task._observer.look = fail  # type: ignore[method-assign]
+    rig.run(0.2)
+    assert rig.robot.state == "holding" and "a step of the task failed" in rig.robot.reason
+    assert not rig.robot.last(BASE_ENABLE).enabled and rig.robot.toy.gripped
+    left[0] = 0
+    rig.run(1.0)
+    assert rig.robot.state == "holding" and "`start` carries on" in rig.robot.reason
+    assert rig.ask("start") == "carrying"
+
+
 def test_stop_holds_until_it_is_released_and_started() -> None:
     rig = Rig().carrying()
     rig.stack.client.publish(STOP, Stop(True, "hand in the way"))
