@@ -29,6 +29,7 @@ class Commands(ABC):
     _approach: Approach | None
     _carry: Carry | None
     _aborted: bool
+    _interrupted: bool
     _opening: bool
     _starting: bool
     _opened: Held
@@ -107,7 +108,7 @@ class Commands(ABC):
         if self.state not in (State.HOLDING, State.DONE, State.IDLE):
             raise Refused(f"reset in state {self.state.value}: `abort` first")
         gripper = self._known().gripper
-        if self.grip and (gripper is None or gripper.holding):
+        if (self.grip or self._interrupted) and (gripper is None or gripper.holding):
             raise Refused("the gripper holds something: `release` lets it go, `start` carries on")
         self.grip, self._opening, self._approach, self._carry = False, False, None, None
         self._go(State.IDLE, "ready: `tandem task start`", self._seen)

@@ -44,6 +44,8 @@ class Machine(Commands):
         self._rest: Pose | None = None
         self._cause: Present | None = None
         self._waited = 0.0
+        self._stay: Grip | None = None
+        self._interrupted = False
         self._aborted = self._opening = self._starting = False
         self._opened = Held(_OPEN_AFTER)
         self._watch = GraspWatch()
@@ -163,6 +165,7 @@ class Machine(Commands):
             return Decision(self.reason)
         if self.state is State.HOLDING:
             self._rest = self._rest or seen.tool
+            self._stop_opening(seen)
             if carry is not None and self._loose:
                 # What the tool does not carry any more, the limits must not be centred on.
                 carry.nominal.fade(dt)
@@ -218,7 +221,13 @@ class Machine(Commands):
         before, self.state, self.since, self.reason, self._waited = self.state, state, 0.0, reason, 0.0
         self._cause = self._cause if state is State.HOLDING else None
         self._rest = seen.tool if seen else None
+        opening = self._opening or (
+            before is State.RELEASING and self._carry is not None and self._carry.opening
+        )
+        self._interrupted, self._stay = opening and state is State.HOLDING, None
         self._opening = False
+        if seen is not None:
+            self._stop_opening(seen)
         if state is State.CALIBRATING and seen is not None:
             self._approach, self._carry = Approach(self._settings, seen.tool), None
         elif state is State.GRASPING:
@@ -246,8 +255,15 @@ class Machine(Commands):
     def _loose(self) -> Present | None:
         return next((fault for fault in self._faults if fault.kind is Kind.LOOSE), None)
 
+    def _stop_opening(self, seen: Seen) -> None:
+        """Have the fingers stay that were opening when it began to hold; what they hold still, they go on holding."""
+        if self._interrupted and seen.gripper is not None:
+            self._interrupted = False
+            self.grip = seen.gripper.holding
+            self._stay = Grip(max(0.0, seen.gripper.opening), self._settings.gripper_effort)
+
     def _nominal(self) -> float:
         return self._carry.nominal.force if self._carry and self.grip else 0.0
 
     def _kept(self) -> Grip | None:
-        return closing(self._settings) if self.grip else None
+        return closing(self._settings) if self.grip else self._stay

@@ -12,9 +12,8 @@ from services.task.journal import Recalled
 from services.task.machine import Machine
 from services.task.parameters import TaskParameters
 from services.task.states import REACTIONS, Decision, State
-from shared.messages import GripperState
 from shared.parameters import Refused
-from tests.services.task.toy import START, Toy
+from tests.services.task.toy import Toy
 
 DT = 0.02
 
@@ -45,7 +44,7 @@ class Play:
             self.toy.target = decision.target
         if decision.gripper is not None:
             self.toy.wanted = decision.gripper.opening
-            if decision.gripper.opening > 0.0:
+            if decision.gripper.opening > self.toy.opening:
                 self.opened_in |= {state}
         self.toy.advance(DT)
         if not self.states or self.states[-1] is not self.state:
@@ -369,106 +368,3 @@ def test_release_by_word_waits_for_the_weight_then_a_second_word_opens() -> None
     play = Play().reach(State.CARRYING)
     play.machine.command("release")
     play.to(State.DONE)
-
-
-def lifted(**parameters: object) -> Play:
-    """While carrying, with half the weight taken over."""
-    play = Play(**parameters).reach(State.CARRYING)
-    play.toy.lifted = True
-    play.run(2.0)
-    return play
-
-
-EMPTY = GripperState(0.0, 0.0, False)
-
-
-@pytest.mark.parametrize("held_before", [False, True])
-def test_lost_from_the_gripper_it_holds_and_carries_nothing_by_agreement(held_before: bool) -> None:
-    play = lifted()
-    if held_before:
-        play.machine.command("abort")
-        play.run(0.5)
-    assert play.decision.nominal == pytest.approx(-play.settings.half_weight)
-    play.changed = {"gripper": EMPTY}
-    play.run(0.5)
-    assert play.state is State.HOLDING and "does not hold the panel any more" in play.machine.reason
-    play.run(2.0)
-    assert play.decision.nominal == 0.0
-    with pytest.raises(Refused, match="`reset` begins anew"):
-        play.machine.command("start")
-    assert play.machine.command("reset") is State.IDLE
-
-
-@pytest.mark.parametrize("first", ["fault", "release"])
-@pytest.mark.parametrize(
-    "name",
-    ["untared", "unidentified", "wrench_invalid", "wrench_never", "controller_braking", "gripper_silent"],
-)
-def test_no_fault_of_a_sensor_keeps_the_panel_from_who_asks_twice(name: str, first: str) -> None:
-    play = lifted()
-    if first == "fault":
-        play.faults = [Present(name)]
-        play.to(State.HOLDING, 5.0)
-    assert play.machine.command("release") is State.RELEASING
-    play.faults = [Present(name)]
-    if name.startswith("wrench"):
-        play.changed = {"wrench": None}
-    play.run(10.0)
-    assert play.state is State.RELEASING and play.toy.gripped, "no force that is known, no opening"
-    assert Present(name).sentence in play.machine.reason and "`release` again opens" in play.machine.reason
-    play.machine.command("release")
-    play.run(5.0)
-    assert not play.toy.gripped and play.opened_in == {State.IDLE, State.RELEASING}
-
-
-def turned_by(play: Play, degrees: float) -> None:
-    """The person turns the panel until it is turned that far since the grasp, whatever the task thinks."""
-    play.toy.roll_rate = 0.2
-    play.run(20.0, lambda: play.toy.tool.rpy[0] >= math.radians(degrees) + START.rpy[0])
-    play.toy.roll_rate = 0.0
-    assert math.degrees(play.toy.tool.rpy[0] - START.rpy[0]) == pytest.approx(degrees, abs=1.0)
-
-
-def test_carrying_on_remembers_how_far_the_panel_was_turned() -> None:
-    play = lifted()
-    turned_by(play, 45.0)
-    play.machine.command("abort")
-    play.run(0.5)
-    play.machine.command("start")
-    play.tick()
-    assert math.degrees(play.machine.rotation) == pytest.approx(45.0, abs=1.0)
-    turned_by(play, 80.0)
-    play.tick()
-    assert play.decision.target.rpy[0] == pytest.approx(START.rpy[0] + math.pi / 2, abs=0.02), "it snaps"
-    play.toy.far_height = play.toy.stands
-    play.to(State.DONE)
-    assert math.degrees(play.toy.tool.rpy[0] - START.rpy[0]) == pytest.approx(90.0, abs=16.0)
-
-
-def test_carrying_on_needs_a_gripper_that_holds_now() -> None:
-    play = lifted()
-    play.machine.command("abort")
-    play.changed = {"gripper": EMPTY}
-    play.tick()
-    with pytest.raises(Refused, match="the gripper holds nothing"):
-        play.machine.command("start")
-    play.changed = {"gripper": None}
-    play.tick()
-    with pytest.raises(Refused, match="state/gripper is silent"):
-        play.machine.command("start")
-    play.changed = {}
-    play.tick()
-    assert play.machine.command("start") is State.CARRYING
-
-
-def test_a_silent_gripper_stops_the_base_and_is_waited_for() -> None:
-    play = lifted()
-    play.changed = {"gripper": None}
-    play.tick()
-    assert not play.decision.base and "state/gripper" in play.machine.reason
-    play.run(2.5)
-    assert play.state is State.CARRYING
-    assert play.decision.nominal == pytest.approx(-play.settings.half_weight), "not to know is no loss"
-    play.run(1.0)
-    assert play.state is State.HOLDING and "state/gripper" in play.machine.reason
-    assert play.decision.gripper is not None and play.decision.gripper.opening == 0.0

@@ -40,6 +40,7 @@ class Anything(RuleBasedStateMachine):
         faults, play.faults = play.faults, [*play.faults, *hidden]
         if self.lost:
             play.faults = [Present("tool", "silent")]
+        self.opening = play.toy.opening
         self.known = not self.lost and "gripper" not in play.changed
         if play.toy.gripped:
             self.empty_for = 0.0
@@ -51,7 +52,7 @@ class Anything(RuleBasedStateMachine):
 
     def check(self) -> None:
         play, decision = self.play, self.decision
-        if decision.gripper is not None and decision.gripper.opening > 0.0:
+        if decision.gripper is not None and decision.gripper.opening > self.opening + MOVED:
             assert self.before in (State.IDLE, State.RELEASING), self.before
         if self.before is State.APPROACHING and (play.toy.marker is None or self.lost):
             # What it wants now is where the tool was when the marker was lost.

@@ -1,0 +1,179 @@
+"""Holding, and the ways out of it: what is held, how far it was turned, whose word opens the gripper."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from services.task.faults import Present
+from services.task.states import State
+from shared.messages import GripperState
+from shared.parameters import Refused
+from tests.services.task.test_machine import Play
+from tests.services.task.toy import START
+
+EMPTY = GripperState(0.0, 0.0, False)
+
+
+def lifted(**parameters: object) -> Play:
+    """While carrying, with half the weight taken over."""
+    play = Play(**parameters).reach(State.CARRYING)
+    play.toy.lifted = True
+    play.run(2.0)
+    return play
+
+
+@pytest.mark.parametrize("held_before", [False, True])
+def test_lost_from_the_gripper_it_holds_and_carries_nothing_by_agreement(held_before: bool) -> None:
+    play = lifted()
+    if held_before:
+        play.machine.command("abort")
+        play.run(0.5)
+    assert play.decision.nominal == pytest.approx(-play.settings.half_weight)
+    play.changed = {"gripper": EMPTY}
+    play.run(0.5)
+    assert play.state is State.HOLDING and "does not hold the panel any more" in play.machine.reason
+    play.run(2.0)
+    assert play.decision.nominal == 0.0
+    with pytest.raises(Refused, match="`reset` begins anew"):
+        play.machine.command("start")
+    assert play.machine.command("reset") is State.IDLE
+
+
+@pytest.mark.parametrize("first", ["fault", "release"])
+@pytest.mark.parametrize(
+    "name",
+    ["untared", "unidentified", "wrench_invalid", "wrench_never", "controller_braking", "gripper_silent"],
+)
+def test_no_fault_of_a_sensor_keeps_the_panel_from_who_asks_twice(name: str, first: str) -> None:
+    play = lifted()
+    if first == "fault":
+        play.faults = [Present(name)]
+        play.to(State.HOLDING, 5.0)
+    assert play.machine.command("release") is State.RELEASING
+    play.faults = [Present(name)]
+    if name.startswith("wrench"):
+        play.changed = {"wrench": None}
+    play.run(10.0)
+    assert play.state is State.RELEASING and play.toy.gripped, "no force that is known, no opening"
+    assert Present(name).sentence in play.machine.reason and "`release` again opens" in play.machine.reason
+    play.machine.command("release")
+    play.run(5.0)
+    assert not play.toy.gripped and play.opened_in == {State.IDLE, State.RELEASING}
+
+
+@pytest.mark.parametrize("cause", ["stop", "abort"])
+@pytest.mark.parametrize("held", [True, False])
+def test_an_opening_that_is_interrupted_stops(cause: str, held: bool) -> None:
+    play = lifted()
+    play.machine.command("release")
+    play.run(0.1)
+    play.machine.command("release")
+    play.tick()
+    assert play.toy.wanted > 0.0
+    if not held:
+        play.run(0.2)
+    # The toy lets go with the first tenth of a millimetre; the fingers of a robot press on foam.
+    play.changed = {"gripper": GripperState(play.toy.opening, 9.0, True)} if held else {}
+    if cause == "stop":
+        play.faults = [Present("stop", "hand in the way")]
+        play.tick()
+    else:
+        play.machine.command("abort")
+    where = play.toy.opening
+    play.tick()
+    assert play.state is State.HOLDING and play.machine.grip == held
+    assert play.toy.wanted == (0.0 if held else pytest.approx(where, abs=0.003))
+    play.faults = []
+    play.run(2.0)
+    assert play.toy.opening <= where + 0.003, "nor when the stop is released"
+    assert play.opened_in <= {State.IDLE, State.RELEASING}
+    if held:
+        with pytest.raises(Refused, match="holds something"):
+            play.machine.command("reset")
+        assert play.machine.command("start") is State.CARRYING
+    else:
+        assert play.machine.command("reset") is State.IDLE
+        assert play.machine.command("start") is State.IDLE
+        play.to(State.CALIBRATING)
+
+
+def test_an_opening_that_is_interrupted_stops_once_the_gripper_is_known() -> None:
+    play = lifted()
+    for _ in range(2):
+        play.machine.command("release")
+    play.tick()
+    play.changed = {"gripper": None}
+    play.tick()
+    play.machine.command("abort")
+    play.tick()
+    assert play.decision.gripper is None
+    with pytest.raises(Refused, match="holds something"):
+        play.machine.command("reset")
+    play.changed = {"gripper": GripperState(0.05, 9.0, True)}
+    play.tick()
+    assert play.machine.grip and play.decision.gripper.opening == 0.0
+
+
+def test_abort_stops_fingers_that_open_in_idle() -> None:
+    play = Play()
+    play.machine.command("start")
+    play.run(0.1)
+    play.machine.command("abort")
+    play.tick()
+    where = play.toy.opening
+    assert play.toy.wanted == pytest.approx(where, abs=0.003)
+
+
+def turned_by(play: Play, degrees: float) -> None:
+    """The person turns the panel until it is turned that far since the grasp, whatever the task thinks."""
+    play.toy.roll_rate = 0.2
+    play.run(20.0, lambda: play.toy.tool.rpy[0] >= math.radians(degrees) + START.rpy[0])
+    play.toy.roll_rate = 0.0
+    assert math.degrees(play.toy.tool.rpy[0] - START.rpy[0]) == pytest.approx(degrees, abs=1.0)
+
+
+def test_carrying_on_remembers_how_far_the_panel_was_turned() -> None:
+    play = lifted()
+    turned_by(play, 45.0)
+    play.machine.command("abort")
+    play.run(0.5)
+    play.machine.command("start")
+    play.tick()
+    assert math.degrees(play.machine.rotation) == pytest.approx(45.0, abs=1.0)
+    turned_by(play, 80.0)
+    play.tick()
+    assert play.decision.target.rpy[0] == pytest.approx(START.rpy[0] + math.pi / 2, abs=0.02), "it snaps"
+    play.toy.far_height = play.toy.stands
+    play.to(State.DONE)
+    assert math.degrees(play.toy.tool.rpy[0] - START.rpy[0]) == pytest.approx(90.0, abs=16.0)
+
+
+def test_carrying_on_needs_a_gripper_that_holds_now() -> None:
+    play = lifted()
+    play.machine.command("abort")
+    play.changed = {"gripper": EMPTY}
+    play.tick()
+    with pytest.raises(Refused, match="the gripper holds nothing"):
+        play.machine.command("start")
+    play.changed = {"gripper": None}
+    play.tick()
+    with pytest.raises(Refused, match="state/gripper is silent"):
+        play.machine.command("start")
+    play.changed = {}
+    play.tick()
+    assert play.machine.command("start") is State.CARRYING
+
+
+def test_a_silent_gripper_stops_the_base_and_is_waited_for() -> None:
+    play = lifted()
+    play.changed = {"gripper": None}
+    play.tick()
+    assert not play.decision.base and "state/gripper" in play.machine.reason
+    play.run(2.5)
+    assert play.state is State.CARRYING
+    assert play.decision.nominal == pytest.approx(-play.settings.half_weight), "not to know is no loss"
+    play.run(1.0)
+    assert play.state is State.HOLDING and "state/gripper" in play.machine.reason
+    assert play.decision.gripper is not None and play.decision.gripper.opening == 0.0
