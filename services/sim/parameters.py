@@ -119,11 +119,11 @@ class SimParameters(Parameters):
     )
     light: float = parameter(1.0, unit="1", minimum=0.0, maximum=2.0, doc="brightness; 0 = dark")
     camera_noise: float = parameter(
-        0.0,
+        1.0,
         unit="of 255",
-        minimum=0.0,
+        minimum=0.5,
         maximum=50.0,
-        doc="standard deviation of each pixel's red, green and blue",
+        doc="standard deviation of each pixel's red, green and blue; never none, so that no camera looks stuck",
     )
     seed: int = parameter(
         0, unit="", minimum=0, maximum=2**63 - 1, doc="of the noise of force-torque sensor and camera"

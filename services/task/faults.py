@@ -60,7 +60,7 @@ FAULTS: dict[str, tuple[Kind, str]] = {
     ),
     "camera_never": (Kind.BLIND, "waiting for sensor/camera: never received. Is the camera on?"),
     "camera_silent": (Kind.BLIND, "no image for {}. Is the camera on?"),
-    "camera_broken": (Kind.BLIND, "the camera's image cannot be read: {}"),
+    "camera_broken": (Kind.BLIND, "the camera's image is of no use: {}"),
     "marker_missing": (Kind.BLIND, "no marker in sight: is it covered, or out of the picture?"),
     "marker_other": (Kind.BLIND, "only other markers in sight: {}"),
     "marker_twice": (Kind.BLIND, "more than one marker of that number: {}; cover the others"),

@@ -115,7 +115,7 @@ class MarkerTracker:
             self._pose, self._confirmed = None, 0
 
     def broken(self, problem: str) -> None:
-        """An image came that cannot be read."""
+        """An image came that is of no use."""
         self._image_seen, self._since_image = True, 0.0
         self._doubt = Present("camera_broken", problem)
 

@@ -74,6 +74,7 @@ class Task:
         self._tracker = MarkerTracker(parameters.marker_limits())
         self._detector = Detector(parameters.marker_size)
         self._outbox = Outbox(parameters)
+        self._shown = b""
         self._height = 0.0
         self._session = 0
         self._journalled: object = None
@@ -155,6 +156,11 @@ class Task:
         if reading is None or not reading.new:
             return
         image = reading.message
+        # No two pictures of a camera are the same: one that stands still under fresh stamps shows where the panel was.
+        repeated, self._shown = image.data == self._shown, image.data
+        if not reading.header.valid or repeated:
+            self._tracker.broken("always the same one" if repeated else "marked invalid")
+            return
         try:
             found = self._detector.find(image)
         except BadImage as problem:

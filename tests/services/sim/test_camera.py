@@ -217,8 +217,11 @@ def test_camera_faults(rig: Watched) -> None:
         before = len(rig.received["sensor/camera"])
         rig.run(0.5)
         assert len(rig.received["sensor/camera"]) == before
+    pictures = [received.message.data for received in rig.received["sensor/camera"][-5:]]
+    assert len(set(pictures)) == 5, "no two are the same, although nothing moves"
     rig.ask(command="fault", target="camera", kind="stuck")
-    rig.run(0.3)
+    rig.run(0.5)
+    assert len({received.message.data for received in rig.received["sensor/camera"][-3:]}) == 1
     pose = rig.last(topics.SENSOR_CAMERA).orientation
     rig.look(0.3, -0.5)
     assert rig.last(topics.SENSOR_CAMERA).orientation == pytest.approx(pose)

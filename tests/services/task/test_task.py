@@ -200,8 +200,18 @@ def jump(rig: Rig) -> None:
     rig.robot.shown = Pose(MARKER.position + np.array((0.0, 0.2, 0.0)), MARKER.rotation)
 
 
+def freeze(rig: Rig) -> None:
+    rig.robot.frozen = True
+
+
+def doubt(rig: Rig) -> None:
+    rig.robot.valid = False
+
+
 BLINDED = {
     "camera off": (silence(SENSOR_CAMERA.key), "no image for"),
+    "camera frozen": (freeze, "always the same one"),
+    "camera marked invalid": (doubt, "marked invalid"),
     "covered": (cover, "covered"),
     "other marker": (other_marker, "seen 12, wanted 7"),
 }
@@ -411,4 +421,4 @@ def test_unreadable_image_is_said() -> None:
     )
     image = Robot._image(rig.robot)
     rig.begun().until("searching").run(1.0)
-    assert "cannot be read" in rig.robot.reason and rig.runner.fault is None
+    assert "of no use" in rig.robot.reason and rig.runner.fault is None
