@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,12 @@ from shared.storage import write_whole
 
 _VERSION = 1
 _KEPT = 8
+_LONGEST = 4096
+"""Characters of a file that is read at most; a journal has a few hundred."""
+_SHOWN = 100
+"""Characters of a problem that are told."""
+_UNREADABLE = (OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError)
+"""Whatever lies in the file: the task has to start, and to say what it found."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,19 +84,36 @@ class Journal:
 
     def read(self, session: int) -> Entry | None:
         """The entry of this run, else the newest one; None if there is none, or with a ``problem`` if it is torn."""
-        if self._folder is None or not self._folder.is_dir():
+        if self._folder is None:
             return None
-        ours = self._path(session)
-        found = sorted(self._folder.glob("*.json"), key=lambda path: (path == ours, path.stat().st_mtime))
-        for path in found[:-_KEPT]:
-            path.unlink(missing_ok=True)
-        if not found:
-            return None
+        what: Path = self._folder
         try:
-            return _entry(json.loads(found[-1].read_text(encoding="utf-8")))
-        except (OSError, ValueError, KeyError, TypeError, AttributeError) as problem:
-            self.problem = f"the journal {found[-1]} is torn ({type(problem).__name__}: {problem})"
+            found = self._files(session)
+            for path in found[:-_KEPT]:
+                with suppress(OSError):
+                    path.unlink()
+            if not found:
+                return None
+            what = found[-1]
+            if not what.is_file():
+                raise OSError("no file")
+            with what.open(encoding="utf-8") as file:
+                text = file.read(_LONGEST + 1)
+            if len(text) > _LONGEST:
+                raise ValueError(f"more than {_LONGEST} characters")
+            return _entry(json.loads(text))
+        except _UNREADABLE as problem:
+            self.problem = f"the journal {what} is torn ({type(problem).__name__}: {str(problem)[:_SHOWN]})"
             return None
+
+    def _files(self, session: int) -> list[Path]:
+        """All journals, the one to go by last."""
+        assert self._folder is not None
+        if not self._folder.is_dir():
+            return []
+        ours = self._path(session)
+        files = [path for path in self._folder.glob("*.json") if path == ours or path.is_file()]
+        return sorted(files, key=lambda path: (path == ours, path.lstat().st_mtime))
 
     def write(self, session: int, entry: Entry | None, now: float) -> None:
         """Replace the file in one step, or remove it; a full disk is noted in ``problem`` and changes nothing else."""

@@ -89,6 +89,44 @@ def test_torn_is_refused_with_the_reason(tmp_path: Path, name: str) -> None:
     assert machine.state is State.IDLE and "torn" in machine.reason
 
 
+def nested(path: Path) -> None:
+    path.write_text("[" * 4000)
+
+
+def huge(path: Path) -> None:
+    path.write_text(" " * 10_000_000)
+
+
+def endless(path: Path) -> None:
+    content = json.loads(path.read_text())
+    path.write_text(json.dumps({**content, "mass": 10**400}))
+
+
+def folder(path: Path) -> None:
+    path.unlink()
+    path.mkdir()
+
+
+def dangling(path: Path) -> None:
+    path.unlink()
+    path.symlink_to(path.with_name("nothing"))
+
+
+def binary(path: Path) -> None:
+    path.write_bytes(bytes(range(256)))
+
+
+@pytest.mark.parametrize("spoil", [nested, huge, endless, folder, dangling, binary])
+def test_whatever_lies_there_is_survived_and_told(tmp_path: Path, spoil: Callable[[Path], None]) -> None:
+    Journal(tmp_path).write(1, ENTRY, 0.0)
+    spoil(tmp_path / "1.json")
+    for number in range(9):
+        (tmp_path / f"folder{number}.json").mkdir()
+    journal = Journal(tmp_path)
+    assert journal.read(1) is None
+    assert "torn" in journal.problem and len(journal.problem) < 300
+
+
 def test_full_disk_is_noted_and_changes_nothing_else(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("no folder")
     journal = Journal(tmp_path / "file")
