@@ -183,16 +183,20 @@ class Boolean(Kind):
 
 @dataclass(frozen=True)
 class Text(Kind):
-    """A string, optionally one of a few."""
+    """A string, optionally one of a few; a longer one than ``longest`` is cut.
+
+    Texts are retold, and what somebody says at length must not make the message of whoever retells it too large.
+    """
 
     choices: tuple[str, ...] = ()
+    longest: int = 2000
 
     def check(self, value: Any, name: str) -> str:
         if not isinstance(value, str):
             raise InvalidField(f"{name} is {shown(value)}, wanted text")
         if self.choices and value not in self.choices:
             raise InvalidField(f"{name} is {shown(value)}, wanted one of {', '.join(self.choices)}")
-        return value
+        return value[: self.longest]
 
 
 @dataclass(frozen=True)

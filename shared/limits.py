@@ -19,8 +19,6 @@ _INSTANT = 1e-9
 
 SILENCE = 0.1
 """Time [s] past its ``ttl`` after which a moving command counts as the last one before a silence."""
-_LONGEST_REASON = 200
-"""Characters kept of a stop's reason: it travels on in the robot's status, which has a largest size."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +106,7 @@ class Gate:
 
     def stop(self, engaged: bool, reason: str) -> None:
         """Engage or release the stop; it stays engaged until released."""
-        self._stopped = (reason[:_LONGEST_REASON] or "no reason given") if engaged else ""
+        self._stopped = (reason or "no reason given") if engaged else ""
 
     def advance(self, dt: float) -> Array:
         """Twist (6,) [m/s, rad/s] to execute during the next ``dt`` [s].

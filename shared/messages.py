@@ -153,7 +153,7 @@ class Stop(Record):
     """Latched by the gate; released only by ``engaged`` false."""
 
     engaged: bool = of(Boolean())
-    reason: str = of(Text(), default="")
+    reason: str = of(Text(longest=200, doc="the first 200 characters count"), default="")
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,14 @@ def test_integers_pass_for_floats_and_nothing_else_does() -> None:
         rejection(TwistCommand, HEADER | {"linear": [0.0] * 3, "angular": [0.0] * 3, "ttl": wrong})
 
 
+def test_a_text_as_long_as_a_message_is_cut_and_no_reason_to_refuse_it() -> None:
+    long = {"engaged": True, "reason": "x" * 60_000}
+    for stop in (decode(Stop, msgpack.packb(HEADER | long))[1], Stop(**long)):
+        assert stop.engaged and stop.reason == "x" * 200
+    # Who retells it in a text of his own is short enough to be heard himself.
+    assert len(TaskStatus("holding", 0.0, "x" * 60_000, 0.0, 0.0, None).reason) == 2000
+
+
 @pytest.mark.parametrize("wrong", [True, 1.0, "1", None, -1, [1]])
 def test_a_sequence_number_is_a_natural_number(wrong: object) -> None:
     assert "seq" in rejection(FtSample, SAMPLE | {"seq": wrong})

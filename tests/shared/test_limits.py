@@ -258,12 +258,6 @@ def test_a_stop_is_latched_until_it_is_released() -> None:
     assert gate.advance(DT).any()
 
 
-def test_a_reason_as_long_as_a_message_is_cut() -> None:
-    gate = Gate(LIMITS)
-    gate.stop(True, "x" * 60_000)
-    assert len(gate.reason) < 300
-
-
 @pytest.mark.parametrize("dt", [math.nan, math.inf, -0.001])
 def test_a_time_that_is_none_is_refused(dt: float) -> None:
     gate = gate_with((0.1, 0.0, 0.0))

@@ -340,6 +340,16 @@ def test_stop_holds_until_it_is_released_and_started() -> None:
     assert rig.ask("start") == "carrying"
 
 
+def test_a_stop_with_a_reason_as_long_as_a_message_silences_nobody() -> None:
+    rig = Rig().carrying()
+    statuses = rig.robot.received[TASK_STATUS.key]
+    before = len(statuses)
+    rig.stack.client.publish(STOP, Stop(True, "x" * 65_400))
+    rig.run(2.0)
+    assert rig.robot.state == "holding" and "xxx" in rig.robot.reason
+    assert len(statuses) - before >= 10
+
+
 def test_robot_restarted_while_carrying_holds_where_it_is_now() -> None:
     rig = Rig().carrying()
     rig.robot.muted |= {STATE_EE.key}
