@@ -8,11 +8,20 @@ import numpy as np
 
 from shared.base_gate import BaseGate, BaseLimits
 from shared.limits import Gate, GateLimits
-from shared.messages import BaseTwistCommand, RobotStatus, TwistCommand
+from shared.messages import BaseTwistCommand, GripperCommand, HeadCommand, RobotStatus, TwistCommand
 from shared.records import Record
 from shared.service import Inputs, Output, Reading
+from shared.setpoints import Ranges, Setpoint
 from shared.spatial import Array
-from shared.topics import COMMAND_BASE_TWIST, COMMAND_EE_TWIST, STATE_ROBOT, STOP, Topic
+from shared.topics import (
+    COMMAND_BASE_TWIST,
+    COMMAND_EE_TWIST,
+    COMMAND_GRIPPER,
+    COMMAND_HEAD,
+    STATE_ROBOT,
+    STOP,
+    Topic,
+)
 
 M = TypeVar("M", bound=Record)
 
@@ -58,22 +67,38 @@ class RobotSide:
     A robot process has ``INPUTS`` among the inputs of its wiring. In each step it calls ``take`` once, ``advance`` and
     ``advance_base`` once or more often, and ``report`` once; where it brakes, ``hold``.
 
+    Attributes:
+        gripper, head: the command to carry out that came with the last ``take``; None if none did.
+
     Args:
         limits: of the tool's gate.
         base_type: ``differential`` or ``omni``.
         simulated: whether there is no real robot.
         base: limits of the base's gate.
+        gripper: ranges of ``opening`` [m] and ``effort`` [N].
+        head: ranges of ``pan`` and ``tilt`` [rad].
     """
 
-    INPUTS: tuple[Topic, ...] = (COMMAND_EE_TWIST, COMMAND_BASE_TWIST, STOP)
+    INPUTS: tuple[Topic, ...] = (COMMAND_EE_TWIST, COMMAND_BASE_TWIST, COMMAND_GRIPPER, COMMAND_HEAD, STOP)
 
-    def __init__(self, limits: GateLimits, base_type: str, simulated: bool, base: BaseLimits) -> None:
+    def __init__(
+        self,
+        limits: GateLimits,
+        base_type: str,
+        simulated: bool,
+        base: BaseLimits,
+        gripper: Ranges,
+        head: Ranges,
+    ) -> None:
         self.gate = Gate(limits)
         self.base_gate = BaseGate(base)
         self._base_type = base_type
         self._simulated = simulated
         self._pending: _Pending[TwistCommand] = _Pending(COMMAND_EE_TWIST)
         self._pending_base: _Pending[BaseTwistCommand] = _Pending(COMMAND_BASE_TWIST)
+        self._gripper, self._head = Setpoint(COMMAND_GRIPPER, gripper), Setpoint(COMMAND_HEAD, head)
+        self.gripper: GripperCommand | None = None
+        self.head: HeadCommand | None = None
         self._live = 0.0
         self._refusals: list[str] = []
         self._told = ""
@@ -96,6 +121,7 @@ class RobotSide:
             self.base_gate.stop(stop.message.engaged)
         self._pending.take(inputs, behind)
         self._pending_base.take(inputs, behind)
+        self.gripper, self.head = self._gripper.take(inputs), self._head.take(inputs)
         self._refusals = [f"{topic.key}: {text}" for topic in self.INPUTS if (text := inputs.refusals(topic))]
 
     def advance(self, dt: float) -> Array:
@@ -145,6 +171,10 @@ class RobotSide:
             (self.base_gate.clamped, "base commands clamped"),
             (self.base_gate.expired, "base commands expired"),
             (self.base_gate.late, "base commands late"),
+            (self._gripper.clamped, "gripper commands clamped"),
+            (self._gripper.doubtful, "gripper commands refused as marked invalid"),
+            (self._head.clamped, "head commands clamped"),
+            (self._head.doubtful, "head commands refused as marked invalid"),
         )
         parts = (
             "" if mode == "ready" else self.gate.reason,

@@ -8,6 +8,8 @@ SPEED = 0.05
 """Largest speed [m/s] of each finger."""
 EFFORT = 16.0
 """Largest force [N] with which each finger closes."""
+RANGES = {"opening": (0.0, 2.0 * TRAVEL), "effort": (0.0, EFFORT)}
+"""What can be asked for [m, N]."""
 EASE_ABOVE = 0.3
 """Force [N] beyond the effort on both fingers at which the drives ease off."""
 EASE_SPEED = 0.002
@@ -44,9 +46,9 @@ class Gripper:
         return min(*self.pressed, self._effort)
 
     def command(self, opening: float, effort: float) -> None:
-        """Take over a wanted opening [m] and the effort [N] of each finger for it; what is too much is cut."""
-        self._target = 0.5 * min(opening, 2.0 * TRAVEL)
-        self._effort = min(effort, EFFORT)
+        """Take over a wanted opening [m] and the effort [N] of each finger for it."""
+        self._target = 0.5 * opening
+        self._effort = effort
 
     def advance(self, dt: float) -> None:
         """Let the drives move the fingers for ``dt`` [s]."""

@@ -21,6 +21,7 @@ class Head:
 
     Attributes:
         position: pan and tilt [rad].
+        ranges: what can be asked for [rad].
 
     Args:
         start: positions [rad] at the start, by joint names.
@@ -31,7 +32,11 @@ class Head:
         self._data = self._model.createData()
         self._frame = self._model.getFrameId(OPTICAL_FRAME)
         # Of the reduced model's joints the torso comes first.
-        self._lower, self._upper = self._model.lowerPositionLimit[1:], self._model.upperPositionLimit[1:]
+        lower, upper = (
+            self._model.lowerPositionLimit[1:].tolist(),
+            self._model.upperPositionLimit[1:].tolist(),
+        )
+        self.ranges = dict(zip(("pan", "tilt"), zip(lower, upper, strict=True), strict=True))
         self._speed: Array = self._model.velocityLimit[1:].copy()
         self._start = np.array([start[name] for name in JOINTS])
         self.reset()
@@ -43,8 +48,8 @@ class Head:
         self._moving = False
 
     def command(self, pan: float, tilt: float) -> None:
-        """Take over wanted positions [rad]; what is out of reach is cut."""
-        self._target = np.clip((pan, tilt), self._lower, self._upper)
+        """Take over wanted positions [rad]."""
+        self._target = np.array((pan, tilt))
         self._moving = True
 
     def advance(self, dt: float) -> None:

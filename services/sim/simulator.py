@@ -13,6 +13,7 @@ from services.sim.carry import Carry
 from services.sim.commands import Commands
 from services.sim.eye import Eye
 from services.sim.ft_sensor import ForceTorqueSensor
+from services.sim.gripper import RANGES as GRIPPER_RANGES
 from services.sim.pace import Pace, Ticks
 from services.sim.parameters import SimParameters
 from services.sim.sensor_faults import SensorLine
@@ -57,7 +58,14 @@ class Simulator:
             parameters.max_linear_acceleration,
             parameters.max_angular_acceleration,
         )
-        self.side = RobotSide(limits, parameters.base_type, simulated=True, base=LIMITS[parameters.base_type])
+        self.side = RobotSide(
+            limits,
+            parameters.base_type,
+            simulated=True,
+            base=LIMITS[parameters.base_type],
+            gripper=GRIPPER_RANGES,
+            head=self.world.head.ranges,
+        )
         self._sensor = ForceTorqueSensor(parameters.ft_noise, parameters.ft_bias, parameters.seed)
         self._lines = {"ft": SensorLine(), "joints": SensorLine(), "camera": SensorLine()}
         self._eye = None
@@ -70,7 +78,7 @@ class Simulator:
         self.wiring = Wiring(
             name="sim",
             driver=self._stretch / self._ticks.rate,
-            optional=(*RobotSide.INPUTS, topics.COMMAND_GRIPPER, topics.COMMAND_HEAD),
+            optional=RobotSide.INPUTS,
             on_demand=() if self._eye is None else (topics.SENSOR_CAMERA,),
             queries=(topics.SIM_COMMAND,),
             # A late tick is no reason to stop the world: the gate watches over the commands' age.
@@ -80,12 +88,6 @@ class Simulator:
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
         """Simulate one tick; ``dt`` [s] of real time have passed since the last one."""
         self._pace.add(dt, self._stretch / self._ticks.rate)
-        gripper = inputs.get(topics.COMMAND_GRIPPER)
-        if gripper is not None and gripper.new and gripper.header.valid:
-            self.world.gripper.command(gripper.message.opening, gripper.message.effort)
-        head = inputs.get(topics.COMMAND_HEAD)
-        if head is not None and head.new and head.header.valid:
-            self.world.head.command(head.message.pan, head.message.tilt)
         self._advance(inputs)
         return [
             *self._outputs(inputs.wanted(topics.SENSOR_CAMERA)),
@@ -114,6 +116,10 @@ class Simulator:
     def _advance(self, inputs: Inputs) -> None:
         step = self._ticks.step * self._stretch
         self.side.take(inputs, behind=self._ticks.substeps * step)
+        if (gripper := self.side.gripper) is not None:
+            self.world.gripper.command(gripper.opening, gripper.effort)
+        if (head := self.side.head) is not None:
+            self.world.head.command(head.pan, head.tilt)
         for _ in range(self._ticks.substeps):
             twist, velocity = self.side.advance(step), self.side.advance_base(step)
             self.world.advance(twist, velocity, self.side.mode == "stopped")

@@ -11,8 +11,9 @@ import msgpack
 import numpy as np
 import pytest
 
-from shared.messages import TwistCommand
-from shared.topics import COMMAND_EE_TWIST
+from shared.messages import GripperCommand, HeadCommand, TwistCommand
+from shared.records import Record
+from shared.topics import COMMAND_EE_TWIST, COMMAND_GRIPPER, COMMAND_HEAD, Topic
 from tests.contract.robot import PATIENCE, ZERO, Commander, Robot
 from tests.support.wait import eventually, throughout
 
@@ -188,6 +189,26 @@ def test_an_excess_is_clamped_and_told(robot: Robot, commander: Commander) -> No
     eventually(lambda: counted(robot, "clamped") > clamped, PATIENCE, "the excess is told")
     throughout(slow_enough, 1.0, "no faster than the robot's limit")
     assert max(fastest) > 0.02
+
+
+@pytest.mark.parametrize(
+    ("topic", "message"),
+    [(COMMAND_GRIPPER, GripperCommand(5.0, 1e3)), (COMMAND_HEAD, HeadCommand(9.0, 9.0))],
+    ids=["gripper", "head"],
+)
+def test_what_gripper_and_head_cannot_do_or_read_is_told(
+    robot: Robot, commander: Commander, topic: Topic, message: Record
+) -> None:
+    word = topic.key.rpartition("/")[2]
+    clamped, rejected = counted(robot, f"{word} commands clamped"), counted(robot, "rejected")
+
+    def told() -> bool:
+        # Not only once: the first may come before the robot has discovered its publisher.
+        commander.put(topic.key, commander.payload(message))
+        commander.put(topic.key, b"\xc1" * 50)
+        return counted(robot, f"{word} commands clamped") > clamped and counted(robot, "rejected") > rejected
+
+    eventually(told, PATIENCE, "excess and garbage are told")
 
 
 @pytest.mark.parametrize("valid", [True, False], ids=["valid", "invalid"])

@@ -64,7 +64,14 @@ class StubRobot:
         self.parameters: Parameters = parameters
         self._settings = parameters
         limits = GateLimits(parameters.max_linear, parameters.max_angular, 2.0, 4.0)
-        self.side = RobotSide(limits, parameters.base_type, simulated=False, base=_BASE[parameters.base_type])
+        self.side = RobotSide(
+            limits,
+            parameters.base_type,
+            simulated=False,
+            base=_BASE[parameters.base_type],
+            gripper={"opening": (0.0, 0.08), "effort": (0.0, 16.0)},
+            head={"pan": (-1.3, 1.3), "tilt": (-1.0, 0.7)},
+        )
         self.load: Array = np.array(parameters.load)
         self.position: Array = np.array(parameters.position)
         self.rotation: Array = np.eye(3)
@@ -77,7 +84,7 @@ class StubRobot:
         self.wiring = Wiring(
             name="robot",
             driver=1.0 / (parameters.rate * parameters.ticks),
-            optional=(*RobotSide.INPUTS, topics.COMMAND_GRIPPER, topics.COMMAND_HEAD),
+            optional=RobotSide.INPUTS,
             overrun_share=1.0,
         )
 
@@ -89,9 +96,8 @@ class StubRobot:
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
         """Execute for ``dt`` [s] what the gate lets through, then say where that led."""
         self.side.take(inputs)
-        gripper = inputs.get(topics.COMMAND_GRIPPER)
-        if gripper is not None:
-            self.opening = gripper.message.opening
+        if self.side.gripper is not None:
+            self.opening = self.side.gripper.opening
         self._move(dt, self.side.advance_base(dt))
         self._ticks += 1
         return [*self._outputs(), *self.side.report(dt)]

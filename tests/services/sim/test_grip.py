@@ -80,7 +80,7 @@ class Bench:
 
 def test_the_fingers_move_at_their_speed_and_as_far_as_they_can() -> None:
     gripper = Gripper()
-    gripper.command(1.0, 100.0)
+    gripper.command(2 * TRAVEL, EFFORT)
     for _ in range(100):
         gripper.advance(STEP)
     assert gripper.opening == pytest.approx(2 * SPEED * 0.2)
