@@ -98,7 +98,7 @@ def case(seed: int, overrides: Changes | None = None) -> Case:
         "panel_yaw": math.radians(_between(draw, -10.0, 10.0)),
         "marker_position": [from_edge - length / 2.0, aside],
         "light": _between(draw, 0.4, 1.3),
-        "camera_noise": _between(draw, 0.0, 8.0),
+        "camera_noise": _between(draw, 0.5, 8.0),
         "camera_rate": 5.0,
         "ft_rate": rate,
         "ft_noise": [_between(draw, 0.5, 2.0) * std for std in (0.1,) * 3 + (0.005,) * 3],

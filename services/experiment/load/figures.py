@@ -135,18 +135,20 @@ def _limit(axes: Axes, recording: Recording) -> None:
 
 
 def _events(panels: tuple[Axes, Axes], recording: Recording, found: Measures | None) -> None:
-    """Lines through both panels, named above the upper one."""
+    """Lines through both panels; events are named in the upper one, the landing in the lower one, where it is seen."""
     marks = [
-        (event.time, event.detail) for event in recording.events if event.name in ("light", "heavy", "unload")
+        (event.time, event.detail, panels[0], 1.0)
+        for event in recording.events
+        if event.name in ("light", "heavy", "unload")
     ]
     if found is not None and np.isfinite(found.landing) and found.lowering_time > 0.5:
-        marks.append((found.landing, "on the ground"))
-    for time, text in marks:
+        marks.append((found.landing, "on the ground", panels[1], 0.92))
+    for time, text, panel, top in marks:
         for axes in panels:
             axes.axvline(time, color=FAINT, linewidth=0.8, zorder=1)
-        panels[0].annotate(
+        panel.annotate(
             text,
-            (time, 1.0),
+            (time, top),
             xycoords=("data", "axes fraction"),
             xytext=(3, -2),
             textcoords="offset points",
