@@ -68,7 +68,7 @@ class Carry:
         self.panel = Panel(self._spec.panel)
         self.person = Person(Hands(self._spec.person_force, self._spec.person_torque))
         self.covered = False
-        self._grip = Grip(self._spec.grip_friction)
+        self._grip = Grip(self._spec.grip_friction, self.panel.body, self._step)
 
     def advance(self, tool: Tool, gripper: Gripper) -> tuple[Array, Array] | None:
         """One physics step; force (3,) [N] and torque about the tool's origin (3,) [Nm] on the tool, tool axes."""

@@ -19,6 +19,7 @@ import numpy as np
 
 from services.sim.gripper import Gripper
 from services.sim.panel import Panel
+from services.sim.rigid_body import RigidBody
 from shared.spatial import Array, cross
 
 STIFFNESS, ANGULAR_STIFFNESS = 5000.0, 100.0
@@ -94,10 +95,15 @@ class Grip:
 
     Args:
         friction: coefficient between pads and foam.
+        body: of the panel.
+        step: duration [s] of one physics step.
     """
 
-    def __init__(self, friction: float) -> None:
+    def __init__(self, friction: float, body: RigidBody, step: float) -> None:
         self._friction = friction
+        stiffness, damping = body.followed(ANGULAR_STIFFNESS, ANGULAR_DAMPING, step)
+        self._spring = np.concatenate(((STIFFNESS,) * 3, stiffness[_AS_TOOL]))
+        self._damper = np.concatenate(((DAMPING,) * 3, damping[_AS_TOOL]))
         self._stretch = np.zeros(6)
         self._barred = False
         self._between = False
@@ -155,19 +161,19 @@ class Grip:
         """Force and torque (6,) [N, Nm] on the panel by friction and by the pads' size; the force across is theirs."""
         stretch = self._stretch + twist * dt
         stretch[1] = 0.0
-        pull = _SPRING * stretch + _DAMPER * twist
+        pull = self._spring * stretch + self._damper * twist
         pull[1] = 0.0
         most = self._friction * pressure
         radius = mean_radius(covered, PAD_WIDTH)
-        slip = math.hypot(pull[0] / most, pull[2] / most, pull[4] / (most * radius))
+        pulled = math.hypot(pull[0], pull[2], pull[4] / radius)
         share = np.ones(6)
-        if slip > 1.0:
-            share[[0, 2, 4]] = 1.0 / slip
+        if pulled > most:
+            share[[0, 2, 4]] = most / pulled
         for axis, lever in ((3, PAD_WIDTH), (5, covered)):
             share[axis] = min(1.0, STRENGTH * lever / max(abs(pull[axis]), 1e-9))
         pull *= share
         # What slips drags its spring along.
-        self._stretch = np.where(share < 1.0, pull / _SPRING, stretch)
+        self._stretch = np.where(share < 1.0, pull / self._spring, stretch)
         return -pull
 
 
@@ -183,5 +189,5 @@ def about_tool(force: Array, torque: Array, point: Array) -> Array:
     return torque + cross(point, force)
 
 
-_SPRING = np.array((STIFFNESS,) * 3 + (ANGULAR_STIFFNESS,) * 3)
-_DAMPER = np.array((DAMPING,) * 3 + (ANGULAR_DAMPING,) * 3)
+_AS_TOOL = [0, 2, 1]
+"""Axes of the panel that lie along x, y and z of a tool that grips it."""

@@ -72,15 +72,17 @@ class Hands:
             return self.force, self.torque
         arm = self.place - body.position
         damping, angular = self._damping(panel)
+        stiff, damped = body.followed(ANGULAR_STIFFNESS, angular, dt)
         wanted = (self.position - self._before[0]) / dt
         turning = rotation_vector(self.rotation.dot(self._before[1].T)) / dt
         self._before = self.position, self.rotation
         pull = STIFFNESS * (self.position - self.place)
-        twist = ANGULAR_STIFFNESS * rotation_vector(self.rotation.dot(body.rotation.T))
+        turned = body.rotation
+        twist = turned.dot(stiff * turned.T.dot(rotation_vector(self.rotation.dot(turned.T))))
         self.strain = float(np.linalg.norm(pull)), float(np.linalg.norm(twist))
         pull = pull + damping * (wanted - body.velocity - cross(body.spin, arm))
         pull[2] += self.lifting
-        twist = twist + angular * (turning - body.spin)
+        twist = twist + turned.dot(damped * turned.T.dot(turning - body.spin))
         self.force = bounded(pull, self._strength)
         self.torque = bounded(twist, self._torque_strength)
         return self.force, self.torque + cross(arm, self.force)

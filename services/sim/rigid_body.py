@@ -7,6 +7,10 @@ import numpy as np
 from shared.constants import GRAVITY
 from shared.spatial import Array, cross, rotation_from_vector
 
+STEADY = 0.5
+"""Largest damping of one of two that act on a body, in units of inertia / dt, and stiffness, of inertia / dt2: explicit
+steps can follow as long as damping + stiffness / 2 stays below 2 in all."""
+
 
 class RigidBody:
     """One body under gravity and whatever pushes it.
@@ -14,6 +18,7 @@ class RigidBody:
     Attributes:
         position: of the centre of mass (3,) [m], in world.
         rotation: of the body's principal axes in world (3, 3).
+        inertia: principal moments (3,) [kg m2].
         velocity, spin: of the centre of mass (3,) [m/s] and of the body (3,) [rad/s], world axes.
 
     Args:
@@ -25,7 +30,7 @@ class RigidBody:
 
     def __init__(self, mass: float, inertia: Array, position: Array, rotation: Array) -> None:
         self.mass = mass
-        self._inertia = inertia
+        self.inertia = inertia
         self.position: Array = position.copy()
         self.rotation: Array = rotation.copy()
         self.velocity: Array = np.zeros(3)
@@ -38,11 +43,18 @@ class RigidBody:
         self.velocity = self.velocity + acceleration * dt
         rotation = self.rotation
         spin = rotation.T.dot(self.spin)
-        change = (rotation.T.dot(torque) - cross(spin, self._inertia * spin)) / self._inertia
+        change = (rotation.T.dot(torque) - cross(spin, self.inertia * spin)) / self.inertia
         self.spin = rotation.dot(spin + change * dt)
         # The new velocities move the body: explicit springs neither gain nor lose energy over a swing that way.
         self.position = self.position + self.velocity * dt
         self.rotation = rotation_from_vector(self.spin * dt).dot(rotation)
+
+    def followed(self, stiffness: float, damping: float, dt: float) -> tuple[Array, Array]:
+        """Angular stiffness (3,) [Nm/rad] and damping (3,) [Nms/rad] about the principal axes, no more than steps of
+        ``dt`` [s] can follow: a light and narrow body in stiff hands would else spin up by itself.
+        """
+        most = STEADY * self.inertia / dt
+        return np.minimum(stiffness, most / dt), np.minimum(damping, most)
 
     def velocities(self, offsets: Array) -> Array:
         """Velocities (n, 3) [m/s] of points of the body at offsets (n, 3) [m] from its centre of mass, world axes."""

@@ -39,8 +39,15 @@ class PulledPanel(Panel):
 class Bench:
     """A tool that stands still at the panel's edge, and somebody who may pull at the panel."""
 
-    def __init__(self, friction: float = 0.9, shift: float = 0.0, opening: float = 2 * TRAVEL) -> None:
-        spec = PanelSpec((1.2, 0.6, 0.05), 1.5, 0.6, 4000.0, tuple(EDGE.tolist()))
+    def __init__(
+        self,
+        friction: float = 0.9,
+        shift: float = 0.0,
+        opening: float = 2 * TRAVEL,
+        size: tuple[float, float, float] = (1.2, 0.6, 0.05),
+        mass: float = 1.5,
+    ) -> None:
+        spec = PanelSpec(size, mass, 0.6, 4000.0, tuple(EDGE.tolist()))
         self.carry = Carry(CarrySpec(spec, friction), STEP)
         self.carry.panel = self.panel = PulledPanel(spec)
         self.body = self.panel.body
@@ -88,6 +95,30 @@ def test_the_fingers_move_at_their_speed_and_as_far_as_they_can() -> None:
         gripper.advance(STEP)
     assert gripper.opening == pytest.approx(2 * TRAVEL)
     assert gripper.effort == 0.0 and not gripper.holding
+
+
+@pytest.mark.filterwarnings("error")
+def test_pads_without_friction_hold_nothing_up() -> None:
+    bench = Bench(friction=0.0)
+    bench.gripper.command(0.0, EFFORT)
+    bench.run(1.5)
+    assert bench.gripper.holding
+    force, _ = bench.run(0.5, np.array((-3.0, 0.0, 0.0)))
+    assert force == pytest.approx(np.zeros(3), abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("size", "mass"), [((0.4, 0.1, 0.05), 0.3), ((1.0, 0.1, 0.02), 0.2), ((3.0, 0.1, 0.02), 0.2)]
+)
+def test_a_light_and_narrow_panel_does_not_spin_up_in_the_fingers(
+    size: tuple[float, float, float], mass: float
+) -> None:
+    bench = Bench(3.5, size=size, mass=mass)
+    bench.gripper.command(0.0, EFFORT)
+    bench.run(1.5)
+    bench.run(0.5, twist=np.array((0.2, 0.0, 0.0)))
+    bench.run(1.0)
+    assert bench.gripper.holding and np.abs(bench.body.spin).max() < 0.1
 
 
 def test_closed_on_the_panel_it_holds_with_the_effort_asked_for() -> None:

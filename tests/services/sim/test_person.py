@@ -89,6 +89,25 @@ def test_on_a_blocked_panel_he_stops_going_on_and_never_exceeds_his_strength() -
     assert max(bench.forces) > 59.0
 
 
+@pytest.mark.parametrize(
+    ("size", "mass"), [((0.4, 0.1, 0.05), 0.3), ((1.0, 0.1, 0.02), 0.2), ((3.0, 0.1, 0.02), 0.2)]
+)
+def test_a_light_and_narrow_panel_does_not_spin_up_in_his_hands(
+    size: tuple[float, float, float], mass: float
+) -> None:
+    bench = Bench(Panel(replace(SPEC, size=size, mass=mass, near_edge=(0.57, -0.39, 0.9))))
+    bench.person.act(
+        read(
+            '[[phase]]\ndo="take_hold"\n[[phase]]\ndo="lift"\nheight=0.3\n[[phase]]\ndo="turn"\nabout="x"\nangle=45'
+        )
+    )
+    fastest = 0.0
+    for _ in range(400):
+        bench.run(0.02)
+        fastest = max(fastest, float(np.abs(bench.panel.body.spin).max()))
+    assert 0.1 < fastest < 1.0
+
+
 def test_a_weak_person_is_weak() -> None:
     bench = Bench(Blocked(SPEC))
     bench.person = Person(Hands(5.0, 1.0))
