@@ -106,12 +106,12 @@ class SimParameters(Parameters):
     person_torque: float = parameter(
         20.0, unit="Nm", minimum=0.0, maximum=50.0, doc="largest torque of the person's hands"
     )
-    marker_id: int = parameter(0, unit="", minimum=0, maximum=49, doc="of the ArUco marker (DICT_4X4_50)")
+    marker_id: int = parameter(7, unit="", minimum=0, maximum=49, doc="of the ArUco marker (DICT_4X4_50)")
     marker_size: float = parameter(
-        0.12, unit="m", minimum=0.02, maximum=0.5, doc="printed width of the marker's black square"
+        0.15, unit="m", minimum=0.02, maximum=0.5, doc="printed width of the marker's black square"
     )
     marker_position: tuple[float, float] = parameter(
-        (-0.40, 0.0),
+        (-0.35, 0.0),
         unit="m",
         minimum=-1.5,
         maximum=1.5,

@@ -26,7 +26,7 @@ from shared.stack import Stack
 from tests.services.sim.rig import Rig
 from tests.services.sim.test_base import drive
 
-SIGHT = Sight((1.2, 0.6, 0.05), 0, 0.12, (-0.40, 0.0), 1.0)
+SIGHT = SimParameters().sight()
 
 
 def grey(image: CameraImage) -> np.ndarray:

@@ -1,0 +1,29 @@
+"""The simulated scene is the one that the task expects, both with their defaults."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from services.sim.gripper import RANGES
+from services.sim.marker import ROTATION
+from services.sim.parameters import SimParameters
+from services.task.parameters import TaskParameters
+
+
+def test_panel_and_marker_are_those_of_the_simulation() -> None:
+    sim, task = SimParameters(), TaskParameters()
+    assert (task.marker_id, task.marker_size) == (sim.marker_id, sim.marker_size)
+    assert task.panel_mass == sim.panel_mass
+    assert (task.panel_length, task.panel_width, task.panel_thickness) == sim.panel_size
+
+
+def test_the_grasp_is_the_middle_of_the_panel_s_edge() -> None:
+    sim, task = SimParameters(), TaskParameters()
+    grasp = sim.sight().marker_in_panel + ROTATION @ np.array(task.grasp_position)
+    assert grasp == pytest.approx([-sim.panel_size[0] / 2, 0.0, 0.0])
+
+
+def test_the_gripper_can_do_what_the_task_wants() -> None:
+    task = TaskParameters()
+    assert task.gripper_open <= RANGES["opening"][1] and task.gripper_effort <= RANGES["effort"][1]
