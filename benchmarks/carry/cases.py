@@ -72,7 +72,7 @@ def case(seed: int, overrides: Changes | None = None) -> Case:
     draw = np.random.default_rng(seed)
     mass = 2.5 if kind == "2.5 kg" else _between(draw, 1.0, 2.5)
     told = mass * _between(draw, 0.8, 1.2) if draw.random() < 0.5 else mass
-    length, width = _between(draw, 0.9, 1.5), _between(draw, 0.5, 0.8)
+    length, width = _between(draw, 0.9, 1.5), _between(draw, 0.6, 0.8)
     rate = {"30 Hz": 30.0, "250 Hz": 250.0}.get(kind, protocol.RATE)
     base = "none" if kind == "arm only" else ("omni", "differential")[int(draw.integers(2))]
     law = "paper" if kind == "paper" else "certified"

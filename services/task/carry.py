@@ -14,6 +14,8 @@ from services.task.timers import Held
 
 _OPEN_AFTER = 0.3  # [s]
 _BACK = 0.03  # [m]
+_BEYOND, _STANDS, _STUCK_AFTER = 1.2, 0.005, 1.0
+"""Share [1] of the limit along z and speed [m/s] of an arm that is pushed and does not yield, and for how long [s]."""
 
 
 class Carry:
@@ -35,6 +37,7 @@ class Carry:
         self._level = LevelAssist(parameters.level_assist, height)
         self._judge = ReleaseJudge()
         self._opened = Held(_OPEN_AFTER)
+        self._standing = Held(_STUCK_AFTER)
         self.asked = False
         """A person said that the panel is to be let go where it is."""
         self.opening = False
@@ -58,7 +61,7 @@ class Carry:
             reason = f"lift the panel: the robot carries {-min(0.0, seen.force):.1f} of {settings.half_weight:.1f} N"
         else:
             missing = ", ".join(why_no_probe(stance)) or "about to stand"
-            reason = f"carrying; to be set down: {missing}"
+            reason = f"carrying; to be set down: {missing}{self._stuck(seen, dt)}"
         return Decision(reason, target, force, base=True, gripper=closing(settings))
 
     def release(self, seen: Seen, dt: float) -> Decision:
@@ -85,7 +88,7 @@ class Carry:
                 "`release` again opens at once"
             )
         else:
-            reason = f"setting down: {', '.join(missing_now) or 'it stands'}"
+            reason = f"setting down: {', '.join(missing_now) or 'it stands'}{self._stuck(seen, dt)}"
         return Decision(reason, target, force, gripper=closing(settings))
 
     def let_go(self, seen: Seen) -> Decision:
@@ -117,6 +120,14 @@ class Carry:
             )
             return Decision(reason, seen.tool, after=State.HOLDING)
         return Decision(f"going back, {left:.2f} m left", self._end)
+
+    def _stuck(self, seen: Seen, dt: float) -> str:
+        """That the arm does not give way to a force beyond the limit, which only its own limits keep it from."""
+        settings = self._settings
+        excess = abs(seen.force - self.nominal.force) - _BEYOND * settings.force_limit[2]
+        if not self._standing.update(excess > 0.0 and seen.speed < _STANDS, dt):
+            return ""
+        return f"; the arm cannot give way any further ({seen.robot or 'the robot does not say why'})"
 
     def _height(self, seen: Seen, dt: float) -> float:
         settings = self._settings

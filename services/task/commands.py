@@ -72,7 +72,7 @@ class Commands(ABC):
                 "`reset` first" if self.state in (State.HOLDING, State.DONE) else "it is at work already"
             )
             raise Refused(f"start in state {self.state.value}: {instead}")
-        if problem := self._settings.too_heavy():
+        if problem := self._settings.impossible():
             raise Refused(problem)
         for fault in self._faults:
             if fault.kind is Kind.STOPPED:

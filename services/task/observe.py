@@ -54,6 +54,7 @@ class Observer:
             if fault is not None
         ]
         wrench, gripper = inputs.get(WRENCH_EXTERNAL), inputs.get(STATE_GRIPPER)
+        robot = inputs.get(STATE_ROBOT)
         numb = any(fault.name.startswith("wrench") for fault in faults)
         fresh = gripper is not None and gripper.header.valid and gripper.age <= STATE_GRIPPER.max_age
         message = tool.message
@@ -69,6 +70,7 @@ class Observer:
             marker=tracker.pose,
             doubt=tracker.doubt,
             guarded=self._guarded(inputs.get(CONTROL_STATUS)),
+            robot="" if robot is None or robot.age > STATE_ROBOT.max_age else robot.message.reason,
         )
         return seen, faults
 

@@ -57,6 +57,13 @@ class TaskParameters(Parameters):
     reach_high: Vector3 = parameter(
         (0.75, 0.2, 1.2), unit="m", minimum=-2.0, maximum=2.0, doc="greatest tool position for a grasp"
     )
+    reach_down: float = parameter(
+        0.27,
+        unit="m",
+        minimum=-1.0,
+        maximum=2.0,
+        doc="least height of the tool in base at which the turned panel can be set down",
+    )
     standoff: float = parameter(
         0.15, unit="m", minimum=0.02, maximum=0.5, doc="way to the grasp, and back, along tool x"
     )
@@ -193,8 +200,14 @@ class TaskParameters(Parameters):
         """Height [m] in base of the tool when the turned panel stands on the ground."""
         return self.ground_height + self.panel_width / 2
 
-    def too_heavy(self) -> str:
-        """Why the panel cannot be set down with these limits (CARRY 3), empty if it can."""
+    def impossible(self) -> str:
+        """Why the panel could never be set down (CARRY 3), empty if it can."""
+        if self.half_width < self.reach_down:
+            return (
+                f"the turned panel stands with the gripper at {self.half_width:.2f} m, which is below reach_down, "
+                f"{self.reach_down:g} m: carry one that is at least {2 * (self.reach_down - self.ground_height):.2f} m "
+                "wide"
+            )
         limit = self.force_limit[2]
         if self.release_ramp or self.half_weight <= limit:
             return ""

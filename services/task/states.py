@@ -42,6 +42,7 @@ class Seen:
         marker: the marker in base, from a fresh image.
         doubt: why there is no marker pose.
         guarded: whether a controller keeps the limits at this instant; the base must not follow while none does.
+        robot: why the robot does not move as commanded, in its own words.
     """
 
     tool: Pose
@@ -53,6 +54,7 @@ class Seen:
     marker: Pose | None = None
     doubt: Present | None = None
     guarded: bool = False
+    robot: str = ""
 
     @property
     def force(self) -> float:

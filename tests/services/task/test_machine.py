@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 
 from services.task.faults import FAULTS, Kind, Present
@@ -315,6 +316,26 @@ def test_commands_are_refused_with_what_to_do_instead(name: str) -> None:
     act, words = REFUSED[name]
     with pytest.raises(Refused, match=words):
         act(Play())
+
+
+def test_a_panel_too_narrow_for_the_arm_to_set_down_is_refused_at_the_start() -> None:
+    with pytest.raises(
+        Refused, match=r"stands with the gripper at 0\.25 m.*reach_down, 0\.27 m.*0\.54 m wide"
+    ):
+        Play(panel_width=0.5).machine.command("start")
+    assert Play(panel_width=0.6).machine.command("start") is State.IDLE
+
+
+def test_an_arm_that_cannot_give_way_any_further_is_told_with_the_robot_s_reason() -> None:
+    play = Play().reach(State.CARRYING)
+    play.toy.lifted = True
+    play.run(2.0)
+    force = play.settings.half_weight + 1.3 * play.settings.force_limit[2]
+    play.changed = {"wrench": np.array((0.0, 0.0, -force, 0.0, 0.0, 0.0)), "robot": "a joint is at its limit"}
+    play.run(0.5)
+    assert "give way" not in play.machine.reason
+    play.run(1.0)
+    assert play.machine.reason.endswith("the arm cannot give way any further (a joint is at its limit)")
 
 
 def test_a_panel_too_heavy_to_be_released_is_refused_at_the_start() -> None:

@@ -59,9 +59,9 @@ def test_what_is_recalled_stays_within_the_weight() -> None:
 
 
 def test_half_a_weight_above_the_limit_is_refused_without_the_ramp() -> None:
-    assert not TaskParameters(panel_mass=3.0).too_heavy()
-    assert not TaskParameters(panel_mass=2.0, release_ramp=False).too_heavy()
-    text = TaskParameters(panel_mass=2.5, release_ramp=False).too_heavy()
+    assert not TaskParameters(panel_mass=3.0).impossible()
+    assert not TaskParameters(panel_mass=2.0, release_ramp=False).impossible()
+    text = TaskParameters(panel_mass=2.5, release_ramp=False).impossible()
     assert "12.3 N" in text and "10 N" in text and "release_ramp" in text
 
 
