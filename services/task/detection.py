@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from services.task import jpeg
 from services.task.edges import refined
 from services.task.marker import Candidate, Solution
 from shared.messages import CameraImage
@@ -19,6 +20,8 @@ _CORNER_WINDOW = 5
 _WINDOW_SHARE = 0.3
 """The same as a share of a marker's module."""
 _RGB_CHANNELS = 3
+MOST_PIXELS = 4_000_000
+"""More would keep the task from its other work for longer than a tenth of a second."""
 
 
 class BadImage(ValueError):
@@ -102,16 +105,21 @@ def decoded(image: CameraImage) -> Grey:
         BadImage: if the data is no image of the size that it claims.
     """
     width, height = image.width, image.height
+    if width * height > MOST_PIXELS:
+        raise BadImage(f"it is {width} x {height}, allowed are {MOST_PIXELS} pixels")
     data = np.frombuffer(image.data, dtype=np.uint8)
     if image.encoding == "jpeg":
+        size = jpeg.size(image.data)
+        if size is None:
+            raise BadImage(f"{data.size} bytes of data are no jpeg image")
+        if size != (width, height):
+            raise BadImage(f"jpeg is {size[0]} x {size[1]}, declared are {width} x {height}")
         try:
-            grey = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE) if data.size else None
+            grey = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
         except cv2.error as problem:
             raise BadImage(f"jpeg data cannot be decoded: {problem.err}") from None
         if grey is None:
             raise BadImage(f"{data.size} bytes of jpeg data cannot be decoded")
-        if grey.shape != (height, width):
-            raise BadImage(f"jpeg is {grey.shape[1]} x {grey.shape[0]}, declared are {width} x {height}")
         return grey.astype(np.uint8, copy=False)
     if data.size != width * height * _RGB_CHANNELS:
         raise BadImage(f"{data.size} bytes of rgb8 data, wanted {width} x {height} x {_RGB_CHANNELS}")

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from services.task import jpeg
 from services.task.detection import BadImage, Detector
 from services.task.geometry import Pose
 from services.task.marker import MarkerLimits, MarkerTracker
@@ -157,8 +162,11 @@ def test_no_other_pose_is_ever_believed_in_bad_pictures() -> None:
 @pytest.mark.parametrize(
     ("encoding", "data", "reason"),
     [
-        ("jpeg", b"", "0 bytes of jpeg"),
-        ("jpeg", b"no image at all", "cannot be decoded"),
+        ("jpeg", b"", "0 bytes of data are no jpeg"),
+        ("jpeg", b"no image at all", "are no jpeg"),
+        ("jpeg", b"\xff\xd8\xff\xc0\x00\x11\x08\x01\xe0\x02\x80", "cannot be decoded"),
+        ("jpeg", b"\xff\xd8" + b"\xff" * 100, "are no jpeg"),
+        ("jpeg", cv2.imencode(".png", np.zeros((HEIGHT, WIDTH), np.uint8))[1].tobytes(), "are no jpeg"),
         ("rgb8", b"123", "3 bytes of rgb8"),
     ],
 )
@@ -178,3 +186,21 @@ def test_size_that_is_not_the_declared_one() -> None:
     )
     with pytest.raises(BadImage, match="640 x 480, declared are 320 x 200"):
         Detector(0.1).find(wrong)
+
+
+def test_an_image_too_large_is_not_decoded_to_find_that_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    image = message(np.zeros((HEIGHT, WIDTH), np.uint8))
+    large = cv2.imencode(".jpg", np.zeros((2100, 2000), np.uint8))[1].tobytes()
+    monkeypatch.setattr(cv2, "imdecode", lambda *arguments: pytest.fail("it was decoded"))
+    with pytest.raises(BadImage, match="2000 x 2100, allowed are 4000000 pixels"):
+        Detector(0.1).find(replace(image, width=2000, height=2100, data=large))
+    with pytest.raises(BadImage, match="2000 x 2100, declared are 640 x 480"):
+        Detector(0.1).find(replace(image, data=large))
+
+
+@given(st.binary(max_size=60), st.integers(0, 40))
+def test_any_bytes_have_a_size_or_none(noise: bytes, at: int) -> None:
+    data = message(np.zeros((HEIGHT, WIDTH), np.uint8)).data
+    assert jpeg.size(data) == (WIDTH, HEIGHT)
+    jpeg.size(data[:at] + noise)
+    jpeg.size(b"\xff\xd8" + noise)
