@@ -23,7 +23,7 @@ _THERE, _THERE_ANGLE = 0.01, 0.05  # [m], [rad]
 
 
 class Approach:
-    """One attempt at a grasp; ``home`` is the tool's pose with the panel grasped, once it is."""
+    """One attempt at a grasp, from the first look until the gripper is closed on the panel."""
 
     def __init__(self, parameters: TaskParameters, tool: Pose) -> None:
         self._settings = parameters
@@ -32,7 +32,7 @@ class Approach:
         self._free = Held(_FREE_AFTER)
         self._watch = GraspWatch()
         self._way = 0.0
-        self._time = 0.0
+        self._time = self._total = 0.0
 
     def enter(self, tool: Pose) -> None:
         """Another state begins, with the tool there."""
@@ -54,7 +54,7 @@ class Approach:
     def search(self, seen: Seen, dt: float) -> Decision:
         """Look until the marker is seen, within reach."""
         settings = self._settings
-        self._time += dt
+        self._pass(dt)
         pans = (0.0, settings.head_sweep, 0.0, -settings.head_sweep)
         step = 0 if seen.marker is not None else int(self._time / _SWEEP_EVERY)
         pan = min(1.309, max(-1.309, settings.head_pan + pans[step % len(pans)]))
@@ -66,7 +66,7 @@ class Approach:
         else:
             self._way = 0.0
             return Decision("going to the panel", self._rest, head=head, after=State.APPROACHING)
-        if self._time > settings.search_patience:
+        if self._time > settings.search_patience or self._exhausted:
             return Decision(f"gave up searching: {reason}", self._rest, after=State.HOLDING)
         return Decision(reason, self._rest, head=head)
 
@@ -74,10 +74,11 @@ class Approach:
         """To a point before the grasp, then straight in along the tool's x axis; only ever on a fresh pose."""
         settings = self._settings
         assert seen.marker is not None, "approaching without a fresh marker pose"
-        self._time += dt
+        self._pass(dt)
         grasp = seen.marker @ self._offset
         if far := outside(grasp.position, settings.reach_low, settings.reach_high):
-            return Decision(f"the panel's grip moved out of reach: {far}", seen.tool, after=State.SEARCHING)
+            after = State.HOLDING if self._exhausted else State.SEARCHING
+            return Decision(f"the panel's grip moved out of reach: {far}", seen.tool, after=after)
         ahead = grasp.rotation.T @ (grasp.position - seen.tool.position)
         sideways, angle = float(np.linalg.norm(ahead[1:])), grasp.angle(seen.tool)
         left = settings.standoff - self._way
@@ -109,6 +110,15 @@ class Approach:
         if reasons and self._time > settings.grasp_patience:
             return Decision(f"the grasp failed: {', '.join(reasons)}", self._rest, after=State.HOLDING)
         return Decision(f"closing the gripper: {', '.join(reasons) or 'it holds'}", self._rest, gripper=close)
+
+    def _pass(self, dt: float) -> None:
+        self._time += dt
+        self._total += dt
+
+    @property
+    def _exhausted(self) -> bool:
+        """Whether searching and approaching have taken turns for longer than each may take."""
+        return self._total > self._settings.search_patience + self._settings.move_patience
 
     def _doubts(self, seen: Seen) -> list[str]:
         settings = self._settings

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 from services.task.faults import FAULTS, Kind, Present
+from services.task.geometry import Pose
 from services.task.journal import Recalled
 from services.task.machine import Machine
 from services.task.parameters import TaskParameters
 from services.task.states import REACTIONS, Decision, State
 from shared.parameters import Refused
-from tests.services.task.toy import Toy
+from tests.services.task.toy import MARKER, Toy
 
 DT = 0.02
 
@@ -279,6 +280,16 @@ def test_out_of_reach_is_said_and_not_tried() -> None:
     play = Play(reach_high=(0.5, 0.2, 1.2)).reach(State.SEARCHING)
     play.run(3.0)
     assert play.state is State.SEARCHING and "out of reach: x is 0.60 m" in play.machine.reason
+
+
+def test_a_grip_on_the_edge_of_reach_is_not_gone_for_for_ever() -> None:
+    play = Play(search_patience=3.0, move_patience=5.0).reach(State.SEARCHING)
+    beyond = Pose(MARKER.position + np.array((0.4, 0.0, 0.0)), MARKER.rotation)
+    for number in range(round(9.0 / DT)):
+        play.toy.marker = beyond if number % 50 < 25 else MARKER
+        play.tick()
+    assert State.APPROACHING in play.states
+    assert play.state is State.HOLDING and "out of reach" in play.machine.reason
 
 
 def test_a_closed_gripper_without_a_panel_is_no_grasp() -> None:
