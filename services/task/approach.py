@@ -21,6 +21,9 @@ _LAG = 0.1
 """Largest distance [m] of the target ahead of the tool: what is in the way is pressed no harder by waiting longer."""
 _THERE, _THERE_ANGLE = 0.01, 0.05  # [m], [rad]
 
+OPEN_AFTER = 0.3
+"""Time [s] for which the gripper has to say that it is open."""
+
 
 class Approach:
     """One attempt at a grasp, from the first look until the gripper is closed on the panel."""

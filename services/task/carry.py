@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from services.task.approach import closing, is_open, opening
+from services.task.approach import OPEN_AFTER, closing, is_open, opening
 from services.task.geometry import Pose, roll_since
 from services.task.level import LevelAssist, unlevel
 from services.task.nominal import NominalWrench
@@ -12,7 +12,6 @@ from services.task.states import Decision, Seen, State
 from services.task.target import carrying_target
 from services.task.timers import Held
 
-_OPEN_AFTER = 0.3  # [s]
 _BACK = 0.03  # [m]
 _BEYOND, _STANDS, _STUCK_AFTER = 1.2, 0.005, 1.0
 """Share [1] of the limit along z and speed [m/s] of an arm that is pushed and does not yield, and for how long [s]."""
@@ -36,7 +35,7 @@ class Carry:
         self.nominal = nominal or NominalWrench(parameters.half_weight)
         self._level = LevelAssist(parameters.level_assist, height)
         self._judge = ReleaseJudge()
-        self._opened = Held(_OPEN_AFTER)
+        self._opened = Held(OPEN_AFTER)
         self._standing = Held(_STUCK_AFTER)
         self.asked = False
         """A person said that the panel is to be let go where it is."""

@@ -18,6 +18,8 @@ from shared.spatial import (
     rpy_from_rotation,
 )
 
+QUARTER = math.pi / 2
+
 
 @dataclass(frozen=True, eq=False)
 class Pose:

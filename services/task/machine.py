@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from services.task.approach import Approach, closing, is_open, opening
+from services.task.approach import OPEN_AFTER, Approach, closing, is_open, opening
 from services.task.carry import Carry
 from services.task.commands import ABORTED, Commands
 from services.task.faults import Kind, Present
@@ -17,8 +17,6 @@ from services.task.nominal import NominalWrench
 from services.task.parameters import TaskParameters
 from services.task.states import HELD, Decision, Grip, Seen, State, patience
 from services.task.timers import Held
-
-_OPEN_AFTER = 0.3  # [s]
 
 
 class Machine(Commands):
@@ -47,7 +45,7 @@ class Machine(Commands):
         self._stay: Grip | None = None
         self._interrupted = False
         self._aborted = self._opening = self._starting = False
-        self._opened = Held(_OPEN_AFTER)
+        self._opened = Held(OPEN_AFTER)
         self._watch = GraspWatch()
         self._seen: Seen | None = None
         self._faults: Sequence[Present] = ()

@@ -24,11 +24,6 @@ class NominalWrench:
         self.force = min(0.0, max(-half_weight, force))
         self.supported = supported
 
-    @property
-    def latched(self) -> bool:
-        """Whether it has arrived at -m g / 2."""
-        return self.force <= -self._half_weight
-
     def carry(self, measured: float, dt: float) -> float:
         """Follow the measured force along z [N] downwards, by at most 10 N/s, until -m g / 2.
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from typing import Literal
 
+from services.task.geometry import QUARTER
 from services.task.marker import MarkerLimits
 from shared.constants import GRAVITY
 from shared.parameters import Parameters, Refused, Vector3, parameter
-
-QUARTER = math.pi / 2
 
 
 class TaskParameters(Parameters):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from services.task.geometry import QUARTER
 from services.task.timers import Held, Leaky, Smoothed
 
-QUARTER = math.pi / 2
 PROBE_ROLL, PROBE_PITCH = math.radians(15.0), math.radians(7.0)
 PROBE_HEIGHT = 0.06  # [m] above half the panel's width
 PROBE_SPEED, PROBE_TURNING = 0.03, 0.03  # [m/s], [rad/s]

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from services.task.geometry import Pose, roll_since
+from services.task.geometry import QUARTER, Pose, roll_since
 
-QUARTER = math.pi / 2
 SNAP_BEYOND = math.radians(75.0)
 """Roll since the grasp [rad] from which the target's is exactly 90 degrees."""
 
