@@ -18,23 +18,8 @@ from services.experiment.carry import protocol
 from services.experiment.course import Failed
 from services.experiment.play import Play
 from services.experiment.recording import Event
-from services.sim.camera import OwnDarkroom
-from services.sim.sight import Look
 from shared.messages import Stop
 from shared.topics import STOP
-
-LOOKING = ("", "idle", "calibrating", "searching", "approaching")
-
-
-class Shutter(OwnDarkroom):
-    """Takes pictures only while somebody looks at them: to render them takes longer than all the rest."""
-
-    open = True
-
-    def expose(self, look: Look) -> None:
-        """A picture, unless nobody would look at it."""
-        if Shutter.open:
-            super().expose(look)
 
 
 @dataclass(frozen=True)
@@ -60,16 +45,11 @@ def play(chosen: Case) -> Played:
     carry = Play("sweep", (chosen.run,), lambda _: chosen.run, 0.0, "", lambda _: course, None, None)
     trouble = ""
     with tempfile.TemporaryDirectory() as folder:
-        staged = Staged(carry, chosen.run, Path(folder), Shutter)
+        staged = Staged(carry, chosen.run, Path(folder))
         witness = Witness(staged.simulator, protocol.PANEL_SIZE[2])
         staged.stack.add(witness)
-        state = ""
 
         def done() -> bool:
-            nonlocal state
-            if course.events:
-                state = next((event.name for event in reversed(course.events) if event.name in STATES), state)
-            Shutter.open = state in LOOKING
             if course.resumes:
                 course.resumes = False
                 staged.stack.client.publish(STOP, Stop(False))
@@ -97,7 +77,10 @@ def verdict_of(seed: int, overrides: Changes) -> tuple[Case, Verdict]:
 
 
 STATES = (
-    *LOOKING[1:],
+    "idle",
+    "calibrating",
+    "searching",
+    "approaching",
     "grasping",
     "carrying",
     "releasing",

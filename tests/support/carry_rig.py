@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from benchmarks.carry.judge import Verdict, judge
-from benchmarks.carry.play import LOOKING, Shutter
 from benchmarks.carry.witness import Witness
 from benchmarks.experiment_stack import Together
 from services.experiment.carry import protocol
@@ -33,8 +32,7 @@ class CarryRig:
     """
 
     def __init__(self, folder: Path, base: str = "omni") -> None:
-        Shutter.open = True
-        self.services = Together(protocol.run("certified", base), folder, Shutter)
+        self.services = Together(protocol.run("certified", base), folder)
         self.stack, self.client = self.services.stack, self.services.stack.client
         self.witness = Witness(self.services.simulator, protocol.PANEL_SIZE[2])
         self.stack.add(self.witness)
@@ -102,4 +100,3 @@ class CarryRig:
     def _note(self, status: TaskStatus) -> None:
         if not self.states or self.states[-1][1] != status.state:
             self.states.append((self.stack.now, status.state, status.reason))
-        Shutter.open = status.state in LOOKING
