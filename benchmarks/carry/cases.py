@@ -56,6 +56,7 @@ class Case:
         kind: what is special about it.
         run: the stack's configuration.
         script: what the person does.
+        ends_held: the person lets go of his end in the middle: the robot has to keep its own and say why it waits.
         drawn: the figures that tell it from others, for people.
     """
 
@@ -63,6 +64,7 @@ class Case:
     kind: str
     run: Run
     script: str
+    ends_held: bool = False
     drawn: dict[str, Any] = field(default_factory=dict)
 
 
@@ -133,7 +135,7 @@ def case(seed: int, overrides: Changes | None = None) -> Case:
     changes: Changes = {"sim": sim, "task": task, "controller": controller}
     for service, values in (overrides or {}).items():
         changes[service] = changes.get(service, {}) | values
-    return Case(seed, kind, _run(law, base, rate, changes), script(manner), drawn)
+    return Case(seed, kind, _run(law, base, rate, changes), script(manner), manner.drops, drawn)
 
 
 def _run(law: str, base: str, rate: float, changes: Changes) -> Run:

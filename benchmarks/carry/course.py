@@ -22,6 +22,8 @@ PATIENCE = 12.0
 LOOKS, ENDS = 1.0, 1.0
 """Time [s] until he says `resume`, and from then on until `start`: less than the course waits for a task that holds."""
 MOST_WORDS = 4
+ALONE = 6.0
+"""Time [s] for which the robot has to hold what he has let go of."""
 NOTE_EVERY = 1.0  # [s]
 
 
@@ -35,7 +37,8 @@ class SweepCourse(CarrySequence):
 
     def __init__(self, case: Case) -> None:
         super().__init__(case.run)
-        self._script = case.script
+        self._case = case
+        self._alone_since: float | None = None
         self._waiting_since: float | None = None
         self._said = ""
         self._said_at = 0.0
@@ -44,11 +47,13 @@ class SweepCourse(CarrySequence):
         self.resumes = False
 
     def _place(self, now: float, _seen: Seen) -> list[Ask]:
-        return self.ask(now, Ask(topics.SIM_COMMAND, {"command": "hand", "script": self._script}))
+        return self.ask(now, Ask(topics.SIM_COMMAND, {"command": "hand", "script": self._case.script}))
 
     def _play(self, now: float, seen: Seen) -> list[Ask]:
         self._note(now, seen.reason)
-        if asks := self._resume(now, seen):
+        if self._case.ends_held:
+            self._watch(now, seen)
+        elif asks := self._resume(now, seen):
             return asks
         waits = seen.doing == "wait" and seen.task == "carrying"
         if not waits:
@@ -63,6 +68,15 @@ class SweepCourse(CarrySequence):
         """One step further; what the person says in the middle is none."""
         if ask.request.get("command") not in self.told:
             super().accepted(ask, sent, now)
+
+    def _watch(self, now: float, seen: Seen) -> None:
+        """What becomes of a panel whose other end he has let go of."""
+        if seen.task not in ("carrying", "holding") or seen.doing:
+            self._alone_since = None
+        elif self._alone_since is None:
+            self._alone_since = now
+        elif now - self._alone_since > ALONE:
+            self.done = True
 
     def _resume(self, now: float, seen: Seen) -> list[Ask]:
         """What he says when it holds for something that only a person may end: `resume`, and then `start`."""

@@ -35,6 +35,8 @@ class Verdict:
         tilt: largest pitch [rad] of the panel while both held it.
         strain: of the person's arms while he held it: mean force [N] and torque [Nm].
         stands: at the end the panel stands on its edge.
+        held: at the end the gripper holds it.
+        ends_held: that is what was to be, because the person let go of his end in the middle.
         trouble: why the experiment itself could not go on.
     """
 
@@ -51,6 +53,8 @@ class Verdict:
     tilt: float = 0.0
     strain: tuple[float, float] = (0.0, 0.0)
     stands: bool = False
+    held: bool = False
+    ends_held: bool = False
     trouble: str = ""
 
     @property
@@ -69,12 +73,19 @@ class Verdict:
         return self.end == "done" and self.gap is not None and not self.dropped and not self.early
 
     @property
+    def safe(self) -> bool:
+        """Whether the robot has kept its end of a panel that it could not go on with, and says why it waits."""
+        return self.ends_held and self.held and self.gap is None and not self.dropped and bool(self.reason)
+
+    @property
     def word(self) -> str:
         """The verdict in one word."""
         if self.dropped:
             return "DROPPED"
         if self.early:
             return "EARLY"
+        if self.safe:
+            return "held safely"
         return "completed" if self.completed else "NOT COMPLETED"
 
 
@@ -85,6 +96,7 @@ def judge(
     reason: str,
     told: Sequence[str],
     trouble: str = "",
+    ends_held: bool = False,
 ) -> Verdict:
     """The verdict on what the witness saw.
 
@@ -95,6 +107,7 @@ def judge(
         reason: of that state.
         told: what a person had to say to it.
         trouble: of the experiment.
+        ends_held: whether the panel is to be held in the end, and not set down.
     """
     state, time = seen["state"], seen["time"]
     gripped, opening, held = seen["gripped"], seen["opening"], seen["held"]
@@ -130,5 +143,7 @@ def judge(
         tilt=float(np.abs(seen["pitch"][together]).max()) if together.any() else 0.0,
         strain=tuple(seen["strain"][held].mean(axis=0).tolist()) if held.any() else (0.0, 0.0),
         stands=bool(seen["upright"][-1] > FALLEN),
+        held=bool(gripped[-1]),
+        ends_held=ends_held,
         trouble=trouble,
     )

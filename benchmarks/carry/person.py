@@ -18,7 +18,7 @@ class Manner:
         lift: height [m].
         forwards, back, aside: ways [m]; ``aside`` is to the left, there and back.
         twist: [degrees], there and back.
-        drops: whether he lets go of his end in the middle, and takes it up again.
+        drops: whether he lets go of his end in the middle.
         waits: whether he lets go of the panel on the ground only after the robot did.
     """
 
@@ -64,17 +64,16 @@ def _phases(manner: Manner) -> Iterator[dict[str, Any]]:
     for way in ([manner.forwards, 0.0, 0.0], [manner.back, 0.0, 0.0]):
         yield {"do": "move", "by": way, "speed": linear}
     if manner.drops:
-        yield {"do": "let_go", "pause": 4}
-        yield {"do": "take_hold"}
-        yield {"do": "lift", "height": 0.8, "speed": 0.1 * pace}
+        yield {"do": "let_go"}
+        return
     for aside in (manner.aside, -manner.aside):
         yield {"do": "move", "by": [0.0, aside, 0.0], "speed": linear}
     for angle in (manner.twist, -manner.twist):
         yield {"do": "turn", "about": "x", "angle": angle, "speed": angular}
     yield {"do": "turn", "about": "x", "angle": 90, "speed": angular, "patience": 30}
-    yield {"do": "lower", "speed": 0.08 * pace, "patience": 60}
+    yield {"do": "lower", "speed": 0.08 * pace, "patience": 120}
     if manner.waits:
-        yield {"do": "wait", "until": "release", "patience": 60}
+        yield {"do": "wait", "until": "release", "patience": 120}
     yield {"do": "let_go"}
 
 

@@ -66,7 +66,7 @@ def play(chosen: Case) -> Played:
     states = [event for event in events if event.name in STATES]
     end = states[-1] if states else Event(0.0, "", trouble)
     limits = np.array(protocol.FORCE_LIMIT + protocol.TORQUE_LIMIT)
-    verdict = judge(witness.seen(), limits, end.name, end.detail, course.told, trouble)
+    verdict = judge(witness.seen(), limits, end.name, end.detail, course.told, trouble, chosen.ends_held)
     return Played(chosen, verdict, events, witness.seen())
 
 

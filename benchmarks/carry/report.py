@@ -54,6 +54,7 @@ def show(results: Sequence[Result], took: float, jobs: int) -> None:
         "carries",
         "completed",
         "of them told to",
+        "held safely",
         "not",
         "dropped",
         "early",
@@ -80,7 +81,7 @@ def show(results: Sequence[Result], took: float, jobs: int) -> None:
     ):
         print(f"{text:8}" + "".join(f"{value:8.2f}" for value in values))
     for case, verdict in results:
-        if not verdict.completed:
+        if not verdict.completed and not verdict.safe:
             print(line(case, verdict))
     fallen = [case.seed for case, verdict in results if verdict.completed and not verdict.stands]
     if fallen:
@@ -96,6 +97,7 @@ def _cells(verdicts: Sequence[Verdict]) -> list[str]:
         str(len(verdicts)),
         str(completed),
         str(sum(verdict.completed and bool(verdict.told) for verdict in verdicts)),
+        str(sum(verdict.safe for verdict in verdicts)),
         str(sum(verdict.word == "NOT COMPLETED" for verdict in verdicts)),
         str(sum(verdict.dropped for verdict in verdicts)),
         str(sum(verdict.early for verdict in verdicts)),

@@ -75,6 +75,16 @@ def test_not_to_get_there_is_not_completed() -> None:
     assert verdict("holding").word == "NOT COMPLETED"
 
 
+def test_to_hold_on_is_safe_where_the_person_let_go_and_nowhere_else() -> None:
+    seen = carried()
+    held = seen["gripped"]
+    seen = {name: values[held] for name, values in seen.items()}
+    found = judge(seen, LIMITS, "holding", "saturated", told=(), ends_held=True)
+    assert found.safe and found.word == "held safely" and not found.completed
+    assert not judge(seen, LIMITS, "holding", "saturated", told=()).safe
+    assert not judge(seen, LIMITS, "holding", "", told=(), ends_held=True).safe
+
+
 def test_limits_are_centred_on_the_nominal_force() -> None:
     found = verdict(wrench=("carrying", 50, (0.0, 0.0, -22.0, 0.25, 0.0, 0.0)))
     assert found.peak[2] == pytest.approx(1.5) and found.peak[3] == pytest.approx(0.5)
