@@ -129,5 +129,5 @@ def test_the_whole_carry_with_its_report(tmp_path: Path) -> None:
         said = process.output
     assert (out / "index.html").exists(), said
     claims = {claim["short"]: claim for claim in json.loads((out / "claims.json").read_text())["claims"]}
-    for short in ("every phase", "never dropped"):
+    for short in ("every state and phase in order", "never drops the panel"):
         assert claims[short]["passed"], f"{claims[short]}\n{said}"
