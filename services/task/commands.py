@@ -74,9 +74,8 @@ class Commands(ABC):
             raise Refused(f"start in state {self.state.value}: {instead}")
         if problem := self._settings.impossible():
             raise Refused(problem)
-        for fault in self._faults:
-            if fault.kind is Kind.STOPPED:
-                raise Refused(fault.sentence)
+        if stopped := self._stopped:
+            raise Refused(stopped.sentence)
         if _gripper(seen).holding:
             raise Refused("the gripper holds something: `release` opens it")
         self._open_idle(starting=True)
@@ -100,6 +99,8 @@ class Commands(ABC):
             carry.asked = True
             self._go(State.RELEASING, "letting go as asked", seen)
         elif self.state is State.IDLE:
+            if stopped := self._stopped:
+                raise Refused(stopped.sentence)
             self._open_idle(starting=False)
         else:
             raise Refused(f"release in state {self.state.value}: nothing is held")
@@ -112,6 +113,10 @@ class Commands(ABC):
             raise Refused("the gripper holds something: `release` lets it go, `start` carries on")
         self.grip, self._opening, self._approach, self._carry = False, False, None, None
         self._go(State.IDLE, "ready: `tandem task start`", self._seen)
+
+    @property
+    def _stopped(self) -> Present | None:
+        return next((fault for fault in self._faults if fault.kind is Kind.STOPPED), None)
 
     def _open_idle(self, starting: bool) -> None:
         self._opening, self._starting, self.since = True, starting, 0.0

@@ -203,6 +203,12 @@ class Machine(Commands):
     def _idle(self, seen: Seen, dt: float) -> Decision:
         if not self._opening:
             return Decision(self.reason)
+        if stopped := self._stopped:
+            self._opening = False
+            cause = stopped.sentence.partition(": `")[0]
+            return Decision(
+                f"the opening was broken off ({cause}): ask for it again", gripper=self._still(seen)
+            )
         self.grip = False
         command = opening(self._settings)
         if self._opened.update(is_open(seen, self._settings), dt):
@@ -258,7 +264,12 @@ class Machine(Commands):
         if self._interrupted and seen.gripper is not None:
             self._interrupted = False
             self.grip = seen.gripper.holding
-            self._stay = Grip(max(0.0, seen.gripper.opening), self._settings.gripper_effort)
+            self._stay = self._still(seen)
+
+    def _still(self, seen: Seen) -> Grip | None:
+        """The command to fingers to stay where they are."""
+        gripper = seen.gripper
+        return Grip(max(0.0, gripper.opening), self._settings.gripper_effort) if gripper else None
 
     def _nominal(self) -> float:
         return self._carry.nominal.force if self._carry and self.grip else 0.0

@@ -126,6 +126,25 @@ def test_abort_stops_fingers_that_open_in_idle() -> None:
     assert play.toy.wanted == pytest.approx(where, abs=0.003)
 
 
+@pytest.mark.parametrize("word", ["start", "release"])
+def test_a_stop_breaks_off_an_opening_in_idle(word: str) -> None:
+    play = Play()
+    play.machine.command(word)
+    play.run(0.1)
+    play.faults = [Present("stop", "hand in the way")]
+    play.tick()
+    where = play.toy.opening
+    assert "broken off (stop is engaged (hand in the way))" in play.machine.reason
+    with pytest.raises(Refused, match="hand in the way"):
+        play.machine.command(word)
+    play.faults = []
+    play.run(1.0)
+    assert play.state is State.IDLE and play.toy.opening == pytest.approx(where, abs=0.003)
+    play.machine.command(word)
+    play.run(1.0)
+    assert play.toy.opening > 0.05
+
+
 def turned_by(play: Play, degrees: float) -> None:
     """The person turns the panel until it is turned that far since the grasp, whatever the task thinks."""
     play.toy.roll_rate = 0.2
