@@ -121,6 +121,9 @@ def case(seed: int, overrides: Changes | None = None) -> Case:
             -protocol.PANEL_SIZE[2] / 2.0,
         ],
     }
+    if kind == "ground higher":
+        # What it is told would be out of the arm's reach for some panels; where the ground really is, it is not.
+        task["reach_down"] = protocol.PANEL_SIZE[1] / 2.0 - UNEXPECTED_GROUND
     # As `protocol.run` has it for 100 Hz: half as long again as the sensor's own period, at least.
     controller = {"period": 0.05} if rate < protocol.RATE else {}
     drawn = {

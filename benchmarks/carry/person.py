@@ -71,7 +71,7 @@ def _phases(manner: Manner) -> Iterator[dict[str, Any]]:
     for angle in (manner.twist, -manner.twist):
         yield {"do": "turn", "about": "x", "angle": angle, "speed": angular}
     yield {"do": "turn", "about": "x", "angle": 90, "speed": angular, "patience": 30}
-    yield {"do": "lower", "speed": 0.08 * pace, "patience": 120}
+    yield {"do": "lower", "speed": 0.08 * pace, "patience": 60}
     if manner.waits:
         yield {"do": "wait", "until": "release", "patience": 120}
     yield {"do": "let_go"}
