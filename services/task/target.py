@@ -7,14 +7,17 @@ import math
 from services.task.geometry import QUARTER, Pose, roll_since
 
 SNAP_BEYOND = math.radians(75.0)
-"""Roll since the grasp [rad] from which the target's is exactly 90 degrees."""
+"""Roll since the grasp [rad] from which the target's is 90 degrees."""
+LEEWAY = math.radians(2.0)
+"""How far off 90 degrees [rad] the target leaves the roll alone. To press the last degree would take all that the small
+limit about x allows, and leave nothing for the way down."""
 
 
 def carrying_target(home: Pose, tool: Pose, height: float, fixed: bool) -> Pose:
     """The target's pose in base.
 
     x, y and yaw are those of ``home`` in base axes, whence the base brings the tool back; pitch and roll are the tool's
-    own, so that the person may tilt and turn the panel; the last 15 degrees to a quarter turn the robot helps.
+    own, so that the person may tilt and turn the panel; from 15 to 2 degrees off a quarter turn the robot helps.
 
     Args:
         home: the tool when the grasp was finished.
@@ -28,5 +31,6 @@ def carrying_target(home: Pose, tool: Pose, height: float, fixed: bool) -> Pose:
     home_roll, _, yaw = home.rpy.tolist()
     turned = roll_since(home, tool)
     if abs(turned) > SNAP_BEYOND:
-        roll = home_roll + math.copysign(QUARTER, turned)
+        quarter = math.copysign(QUARTER, turned)
+        roll = home_roll + min(quarter + LEEWAY, max(quarter - LEEWAY, turned))
     return Pose.from_rpy((home.position[0], home.position[1], height), (roll, pitch, yaw))
