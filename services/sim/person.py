@@ -22,6 +22,8 @@ GUIDED_SPEED = 0.15
 """Speed [m/s] at which his hands go to a target given from outside."""
 HIGHER, LEVELLING = 0.01, 0.15
 """He turns his hands at this rate [rad/s] while the other end is that much [m] higher than his own."""
+WAITING = 0.15
+"""He lowers his end no further while the other end is that much [m] higher than his own."""
 TOUCHING = 0.004
 """Height [m] of his end of the panel above the ground that looks like none."""
 RELAXING = 0.5
@@ -153,12 +155,12 @@ class Person:
         far = body.position + panel.half[0] * body.rotation[:, 0]
         lowest = far[2] - float(np.abs(body.rotation[2, 1:]).dot(panel.half[1:]))
         force, torque = hands.strain
+        higher = -2.0 * panel.half[0] * float(body.rotation[2, 0])
         if lowest > TOUCHING:
-            if force < ENOUGH_FORCE:
+            if force < ENOUGH_FORCE and higher < WAITING:
                 hands.position = hands.position - np.array((0.0, 0.0, phase.speed * dt))
         else:
             hands.lifting = max(0.0, hands.lifting - 0.5 * body.mass * GRAVITY * dt / RELAXING)
-        higher = -2.0 * panel.half[0] * float(body.rotation[2, 0])
         if higher > HIGHER and torque < ENOUGH_TORQUE:
             along = body.rotation[:, 0]
             level = np.array((-along[1], along[0], 0.0)) / max(math.hypot(along[0], along[1]), 1e-6)

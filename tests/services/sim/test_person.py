@@ -166,6 +166,18 @@ def test_he_brings_his_hands_to_a_target() -> None:
     assert bench.person.doing == "guided"
 
 
+@pytest.mark.parametrize(("higher", "waits"), [(0.0, False), (0.1, False), (0.2, True)])
+def test_he_lowers_his_end_no_further_while_the_other_one_is_much_higher(higher: float, waits: bool) -> None:
+    panel = Blocked(SPEC)
+    panel.body.rotation = rotation_from_vector((0.0, math.asin(higher / 1.2), 0.0))
+    bench = Bench(panel)
+    bench.person.act(read('[[phase]]\ndo = "lower"\nspeed = 0.1'))
+    bench.run(0.1)
+    start = bench.person.hands.position[2]
+    bench.run(0.3)
+    assert (bench.person.hands.position[2] < start - 0.02) != waits
+
+
 def test_he_lets_go_gently() -> None:
     bench = Bench(Panel(SPEC))
     bench.person.act(
