@@ -120,9 +120,14 @@ def test_nobody_there_and_nobody_answering_are_no_reply(pair: Pair) -> None:
     pair.two.serve("wrench/tare", lambda request, reply: held.append(reply))
     with pytest.raises(NoReply, match=r"tiago/base/parameters within 0.2 s"):
         pair.one.query("base/parameters", b"", timeout=0.2)
-    with pytest.raises(NoReply):
-        pair.one.query("wrench/tare", b"", timeout=0.2)
-    eventually(lambda: held, message="the request at the server")
+
+    def asked() -> list[Reply]:
+        with pytest.raises(NoReply):
+            pair.one.query("wrench/tare", b"", timeout=0.2)
+        return held
+
+    # Not the first time perhaps: the router may still have to tell the asker who serves it.
+    eventually(asked, message="the request at the server")
     held[0](b"too late")  # the asker is gone: no harm
     assert pair.through()
 
