@@ -14,8 +14,11 @@ from typing import Any
 from services.experiment.recording import Event
 from services.experiment.run import Run
 from services.experiment.seen import Seen
+from shared import topics
 from shared.topics import Query
 
+TARE_DURATION = 1.0  # [s] averaged
+TARE_AGAIN = 8  # times, when it is refused, or was taken where it does not hold
 ANSWER_WITHIN = 5.0  # [s] for the answer to a request, beyond what it takes by itself
 
 
@@ -52,6 +55,7 @@ class Course(ABC):
         self._since: float | None = None
         self._pending: Ask | None = None
         self._answer: dict[str, Any] | None = None
+        self._tares = 0
 
     @property
     @abstractmethod
@@ -84,12 +88,23 @@ class Course(ABC):
         """A request that was sent at a time [s] was granted."""
 
     def refused(self, ask: Ask, reason: str, now: float) -> None:
-        """A request was not granted.
+        """A request was not granted. A tare may be disturbed for a moment: the phase begins anew and asks again.
 
         Raises:
-            Failed: if the experiment cannot go on without.
+            Failed: for anything else, or too often.
         """
-        raise Failed(f"{ask.query.key} was refused: {reason}")
+        if ask.query is not topics.WRENCH_TARE or not self.may_tare_again():
+            raise Failed(f"{ask.query.key} was refused: {reason}")
+        self.enter(self.phase, now)
+
+    def tare(self, now: float) -> list[Ask]:
+        """Asks for a tare."""
+        return self.ask(now, Ask(topics.WRENCH_TARE, {"duration": TARE_DURATION}, TARE_DURATION))
+
+    def may_tare_again(self) -> bool:
+        """Counts a tare that was of no use, and says whether another one may be tried."""
+        self._tares += 1
+        return self._tares <= TARE_AGAIN
 
     def ask(self, now: float, ask: Ask) -> list[Ask]:
         """Sends a request; nothing else is done until it is answered."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 import platform
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from services.experiment.claim import Claim
 from services.experiment.recording import Recording
@@ -49,6 +51,26 @@ def measure_all(
     if not measured:
         raise ValueError("; ".join(unfinished))
     return measured, unfinished
+
+
+def conclude(
+    folder: Path,
+    text: str,
+    claims: list[Claim],
+    measured: Mapping[str, Any],
+    problems: list[str],
+    unfinished: list[str],
+) -> Report:
+    """Writes the page and `claims.json`; `measured` are the figures of each run, dataclasses."""
+    index = folder / "index.html"
+    index.write_text(text, encoding="utf-8")
+    summary = {
+        "claims": [dataclasses.asdict(claim) for claim in claims],
+        "measures": {name: dataclasses.asdict(found) for name, found in measured.items()},
+        "problems": problems,
+    }
+    (folder / "claims.json").write_text(json.dumps(summary, indent=2), encoding="utf-8")
+    return Report(index, claims, problems, unfinished)
 
 
 def origin(recordings: Mapping[str, Recording]) -> dict[str, str]:

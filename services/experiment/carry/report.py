@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -27,7 +25,7 @@ from services.experiment.drawing import save
 from services.experiment.film import FILM, STRIP
 from services.experiment.page import page
 from services.experiment.recording import RECORDING, Recording
-from services.experiment.report import Report, measure_all, origin
+from services.experiment.report import Report, conclude, measure_all, origin
 from services.experiment.run import Run
 
 
@@ -55,37 +53,27 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
     drawn = _draw(folder, runs, recordings, measured)
     files = {name: recording.write_csv(folder / name / "csv") for name, recording in recordings.items()}
     length, width, _ = PANEL_SIZE
-    index = folder / "index.html"
-    index.write_text(
-        page(
-            "The carry",
-            f"The simulated TIAGo finds a panel of {length:g} m by {width:g} m and {PANEL_MASS:g} kg, grasps it, and "
-            "carries it together with a simulated person, who guides the robot with it, turns it upright and sets it "
-            "down.",
-            claims,
-            drawn,
-            _scenes(folder, runs),
-            {
-                **origin(recordings),
-                "panel": f"{' x '.join(f'{size:g}' for size in PANEL_SIZE)} m, {PANEL_MASS:g} kg",
-                "force limits": f"{', '.join(f'{limit:g}' for limit in FORCE_LIMIT)} N along x, y, z",
-                "torque limits": f"{', '.join(f'{limit:g}' for limit in TORQUE_LIMIT)} Nm about x, y, z",
-            },
-            files,
-            folder,
-            [*problems, *notes(measured)],
-            commands,
-            {name: recording.meta["settings"] for name, recording in recordings.items()},
-        ),
-        encoding="utf-8",
+    text = page(
+        "The carry",
+        f"The simulated TIAGo finds a panel of {length:g} m by {width:g} m and {PANEL_MASS:g} kg, grasps it, and "
+        "carries it together with a simulated person, who guides the robot with it, turns it upright and sets it "
+        "down.",
+        claims,
+        drawn,
+        _scenes(folder, runs),
+        {
+            **origin(recordings),
+            "panel": f"{' x '.join(f'{size:g}' for size in PANEL_SIZE)} m, {PANEL_MASS:g} kg",
+            "force limits": f"{', '.join(f'{limit:g}' for limit in FORCE_LIMIT)} N along x, y, z",
+            "torque limits": f"{', '.join(f'{limit:g}' for limit in TORQUE_LIMIT)} Nm about x, y, z",
+        },
+        files,
+        folder,
+        [*problems, *notes(measured)],
+        commands,
+        {name: recording.meta["settings"] for name, recording in recordings.items()},
     )
-    summary = {
-        "claims": [dataclasses.asdict(claim) for claim in claims],
-        "measures": {name: dataclasses.asdict(found) for name, found in measured.items()},
-        "problems": problems,
-    }
-    (folder / "claims.json").write_text(json.dumps(summary, indent=2), encoding="utf-8")
-    return Report(index, claims, problems, unfinished)
+    return conclude(folder, text, claims, measured, problems, unfinished)
 
 
 def _scenes(folder: Path, runs: Mapping[str, Run]) -> dict[str, Path]:

@@ -12,8 +12,6 @@ from services.experiment.seen import Seen
 from shared import topics
 
 STILL = 0.005  # [m/s]: a slower tool counts as still
-TARE_DURATION = 1.0  # [s] averaged
-TARE_AGAIN = 8  # times, when it is refused
 AFTERWARDS = 3.0  # [s] recorded after the end: what was set down has to stay where it is
 GIVEN_UP = ("holding", "idle")  # states of the task in which it goes on only if somebody says so
 
@@ -23,7 +21,6 @@ class CarrySequence(Course):
 
     def __init__(self, run: Run) -> None:
         super().__init__(run, "waiting for the robot")
-        self._retries = 0
         self._state = ""
         self._doing = ""
         self._ended: float | None = None
@@ -50,7 +47,7 @@ class CarrySequence(Course):
         if seen.speed > STILL:
             self.give_up(now, 60.0, f"the tool still moves at {1e3 * seen.speed:.0f} mm/s. {seen.trouble}")
             return []
-        return self.ask(now, Ask(topics.WRENCH_TARE, {"duration": TARE_DURATION}, TARE_DURATION))
+        return self.tare(now)
 
     def _place(self, now: float, _seen: Seen) -> list[Ask]:
         script = protocol.SCRIPTS[self.run.name.rpartition("-")[2]]
@@ -100,14 +97,3 @@ class CarrySequence(Course):
             self.events.append(Event(now, "covered", "the marker"))
         else:
             self.enter("starting the task", now)
-
-    def refused(self, ask: Ask, reason: str, now: float) -> None:
-        """A tare may be disturbed for a moment: stand still and ask again.
-
-        Raises:
-            Failed: for anything else, or too often.
-        """
-        self._retries += 1
-        if ask.query is not topics.WRENCH_TARE or self._retries > TARE_AGAIN:
-            super().refused(ask, reason, now)
-        self.enter(self.phase, now)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -17,7 +15,7 @@ from services.experiment.load.measures import Measures, measure
 from services.experiment.load.protocol import FORCE_LIMIT, HEAVY, HOLD, LIGHT, RUNS, TORQUE_LIMIT, unambiguous
 from services.experiment.page import page
 from services.experiment.recording import RECORDING, Recording
-from services.experiment.report import Report, measure_all, origin
+from services.experiment.report import Report, conclude, measure_all, origin
 from services.experiment.run import Run
 
 
@@ -45,34 +43,21 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
     drawn = _draw(folder, runs, recordings, measured)
     files = {name: recording.write_csv(folder / name / "csv") for name, recording in recordings.items()}
     films = {name: folder / name / FILM for name in runs if (folder / name / FILM).exists()}
-    index = folder / "index.html"
-    index.write_text(
-        page(
-            "Load experiment",
-            f"The simulated TIAGo holds a pose with force limits of {FORCE_LIMIT[2]:.0f} N. A bag of {LIGHT:.0f} N "
-            f"is hung from its tool, then made heavier than the limit ({HEAVY:.0f} N), then taken off.",
-            claims,
-            drawn,
-            {
-                f"{runs[name].title}: the recorded joint angles, rendered": path
-                for name, path in films.items()
-            },
-            _facts(recordings),
-            files,
-            folder,
-            [*problems, *_notes(measured)],
-            commands,
-            {name: recording.meta["settings"] for name, recording in recordings.items()},
-        ),
-        encoding="utf-8",
+    text = page(
+        "Load experiment",
+        f"The simulated TIAGo holds a pose with force limits of {FORCE_LIMIT[2]:.0f} N. A bag of {LIGHT:.0f} N "
+        f"is hung from its tool, then made heavier than the limit ({HEAVY:.0f} N), then taken off.",
+        claims,
+        drawn,
+        {f"{runs[name].title}: the recorded joint angles, rendered": path for name, path in films.items()},
+        _facts(recordings),
+        files,
+        folder,
+        [*problems, *_notes(measured)],
+        commands,
+        {name: recording.meta["settings"] for name, recording in recordings.items()},
     )
-    summary = {
-        "claims": [dataclasses.asdict(claim) for claim in claims],
-        "measures": {name: dataclasses.asdict(found) for name, found in measured.items()},
-        "problems": problems,
-    }
-    (folder / "claims.json").write_text(json.dumps(summary, indent=2), encoding="utf-8")
-    return Report(index, claims, problems, unfinished)
+    return conclude(folder, text, claims, measured, problems, unfinished)
 
 
 def _draw(

@@ -18,8 +18,6 @@ STILL = 0.005  # [m/s]: a slower tool counts as still
 STILL_FOR = 1.0  # [s]
 AT_POSE = 0.02  # [m]: near enough to start the clock, ten seconds before the first bag
 BACK_AT_POSE = 0.005  # [m] from where the first bag was hung: near enough to end early
-TARE_DURATION = 1.0  # [s] averaged
-TARE_AGAIN = 8  # times: when it is refused, or was taken too far from the pose to be exact there
 
 
 class LoadSequence(Course):
@@ -29,7 +27,6 @@ class LoadSequence(Course):
         super().__init__(run, "waiting for the robot")
         self._steady_since: float | None = None
         self._played = 0
-        self._retries = 0
         self._rest: np.ndarray | None = None
 
     @property
@@ -54,7 +51,7 @@ class LoadSequence(Course):
         if not self._steady(now, seen, float("inf")):
             self.give_up(now, 60.0, f"the tool still moves at {1e3 * seen.speed:.0f} mm/s. {seen.trouble}")
             return []
-        return self.ask(now, Ask(topics.WRENCH_TARE, {"duration": TARE_DURATION}, TARE_DURATION))
+        return self.tare(now)
 
     def _take_up(self, now: float, seen: Seen) -> list[Ask]:
         if not self._steady(now, seen, AT_POSE):
@@ -62,9 +59,8 @@ class LoadSequence(Course):
             self.give_up(now, 60.0, f"the tool is {away:.0f} mm from the pose to hold. {seen.trouble}")
             return []
         if unambiguous(seen.error_bound) > protocol.HEAVY:
-            self._retries += 1
-            if self._retries <= TARE_AGAIN:
-                return self.ask(now, Ask(topics.WRENCH_TARE, {"duration": TARE_DURATION}, TARE_DURATION))
+            if self.may_tare_again():
+                return self.tare(now)
             raise Failed(
                 f"the error bound of force z is {seen.error_bound:.2f} N: the heavier bag of {protocol.HEAVY:g} N "
                 f"is not clearly over the limit ({unambiguous(seen.error_bound):.1f} N needed): lower sim.ft_noise"
@@ -97,17 +93,6 @@ class LoadSequence(Course):
             self.events.append(Event(sent, name, f"{weight:g} N" if weight else "taken off"))
             self._played += 1
             self._steady_since = None
-
-    def refused(self, ask: Ask, reason: str, now: float) -> None:
-        """A tare may be disturbed for a moment: stand still and ask again.
-
-        Raises:
-            Failed: for anything else, or too often.
-        """
-        self._retries += 1
-        if ask.query is not topics.WRENCH_TARE or self._retries > TARE_AGAIN:
-            super().refused(ask, reason, now)
-        self.enter(self.phase, now)
 
     def enter(self, phase: str, now: float) -> None:
         """Goes on with another phase; stillness counts anew."""
