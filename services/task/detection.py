@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from services.task import jpeg
 from services.task.edges import refined
+from services.task.geometry import Pose
 from services.task.marker import Candidate, Solution
 from shared.messages import CameraImage
-from shared.spatial import Array, rotation_from_vector
+from shared.spatial import Array, rotation_from_vector, rotation_vector
 
 Grey = NDArray[np.uint8]
 
@@ -19,6 +20,10 @@ _CORNER_WINDOW = 5
 """Half the side [px] of the window in which a corner is refined at first; smaller for small markers."""
 _WINDOW_SHARE = 0.3
 """The same as a share of a marker's module."""
+_CELLS = 6
+"""Of a marker along each side: its code, and the black border."""
+_CELL_SAMPLES = np.linspace(0.3, 0.7, 5)
+"""Where in a cell [1] its brightness is read."""
 _RGB_CHANNELS = 3
 MOST_PIXELS = 4_000_000
 """More would keep the task from its other work for longer than a tenth of a second."""
@@ -50,10 +55,15 @@ class Detector:
         settings.cornerRefinementMinAccuracy = 0.005
         # A damaged code is a doubtful one: no bit is corrected.
         settings.errorCorrectionRate = 0.0
-        self._detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARY), settings)
+        self._dictionary = cv2.aruco.getPredefinedDictionary(DICTIONARY)
+        self._detector = cv2.aruco.ArucoDetector(self._dictionary, settings)
 
-    def find(self, image: CameraImage) -> list[Candidate]:
+    def find(self, image: CameraImage, known: tuple[int, Pose] | None = None) -> list[Candidate]:
         """All markers in an image, with poses in its optical frame.
+
+        Args:
+            image: to look at.
+            known: number of a marker that was tracked up to now, and where it has to be in the optical frame.
 
         Raises:
             BadImage: if the data is no image of the size that it claims.
@@ -64,14 +74,47 @@ class Detector:
             raise BadImage(f"intrinsics are {image.intrinsics.tolist()}, wanted fx and fy above 0")
         camera = np.array(((fx, 0.0, cx), (0.0, fy, cy), (0.0, 0.0, 1.0)))
         corners, numbers, _ = self._detector.detectMarkers(grey)
-        if numbers is None:
-            return []
         candidates = []
-        for number, found in zip(numbers.ravel(), corners, strict=True):
+        for number, found in zip(() if numbers is None else numbers.ravel(), corners, strict=True):
             exact = refined(found.reshape(4, 2).astype(float), lambda points: _brightness(grey, points))
             solutions = () if exact is None else self._solutions(exact, camera, image.distortion)
             candidates.append(Candidate(int(number), solutions))
+        if known is not None and known[0] not in [candidate.number for candidate in candidates]:
+            candidates += self._followed(grey, *known, camera, image.distortion)
         return candidates
+
+    def _followed(
+        self, grey: Grey, number: int, pose: Pose, camera: Array, distortion: Array
+    ) -> list[Candidate]:
+        """The marker where it has to be, if its edges are there and the whole of its code can be read.
+
+        The search wants white all around the square; the robot's own finger hides some of that just before the grasp.
+        """
+        turn = rotation_vector(pose.rotation)
+        seen, _ = cv2.projectPoints(self._corners, turn, pose.position, camera, distortion)
+        exact = refined(seen.reshape(4, 2).astype(float), lambda points: _brightness(grey, points))
+        if exact is None or self._read(grey, exact) != number:
+            return []
+        return [Candidate(number, self._solutions(exact, camera, distortion))]
+
+    def _read(self, grey: Grey, corners: Array) -> int | None:
+        """The number that stands upright in a square, if half of the white along each of its edges is seen, too."""
+        places = (np.arange(-1, _CELLS + 1)[:, None] + _CELL_SAMPLES).ravel()
+        grid = np.stack(np.meshgrid(places, places), axis=-1).reshape(-1, 1, 2)
+        square = _CELLS * np.array(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)))
+        onto = cv2.getPerspectiveTransform(square.astype(np.float32), corners.astype(np.float32))
+        cells, samples = _CELLS + 2, len(_CELL_SAMPLES)
+        points = cv2.perspectiveTransform(grid, onto).reshape(-1, 2).astype(float)
+        bright = _brightness(grey, points).reshape(cells, samples, cells, samples)
+        white = (bright > (bright.min() + bright.max()) / 2).mean(axis=(1, 3)) > 0.5
+        along = slice(1, -1)
+        margin = np.stack((white[0, along], white[-1, along], white[along, 0], white[along, -1]))
+        border = np.stack((white[1, along], white[-2, along], white[along, 1], white[along, -2]))
+        if border.any() or margin.mean(axis=1).min() < 0.5:
+            return None
+        code = white[2:-2, 2:-2].astype(np.uint8)
+        known, number, quarters = self._dictionary.identify(code, 0.0)
+        return int(number) if known and quarters == 0 else None
 
     def _solutions(self, corners: Array, camera: Array, distortion: Array) -> tuple[Solution, ...]:
         """Both minima of the reprojection error, the better first; each refined until it is one."""

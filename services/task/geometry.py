@@ -52,6 +52,11 @@ class Pose:
         """``a_in_base @ b_in_a`` is ``b_in_base``."""
         return Pose(self.position + self.rotation @ inner.position, self.rotation @ inner.rotation)
 
+    @property
+    def inverse(self) -> Pose:
+        """The outer frame in this one."""
+        return Pose(-self.rotation.T @ self.position, self.rotation.T)
+
     def shifted(self, along_x: float) -> Pose:
         """Moved along its own x axis [m]."""
         return Pose(self.position + along_x * self.rotation[:, 0], self.rotation)

@@ -88,6 +88,11 @@ class MarkerTracker:
             return None
         return self._pose
 
+    def known(self, camera: Pose) -> tuple[int, Pose] | None:
+        """The marker's number and where it has to be in an optical frame whose pose in base is given."""
+        pose = self.pose
+        return None if pose is None else (self._limits.number, camera.inverse @ pose)
+
     @property
     def age(self) -> float:
         """Time [s] since the image that the pose is from."""

@@ -161,12 +161,13 @@ class Task:
         if not reading.header.valid or repeated:
             self._tracker.broken("always the same one" if repeated else "marked invalid")
             return
+        camera = Pose.of(image.position, image.orientation)
         try:
-            found = self._detector.find(image)
+            found = self._detector.find(image, self._tracker.known(camera))
         except BadImage as problem:
             self._tracker.broken(str(problem))
             return
-        self._tracker.look(found, Pose.of(image.position, image.orientation), reading.age)
+        self._tracker.look(found, camera, reading.age)
 
     def _record(self, dt: float) -> None:
         """Keep the journal: once a second while something is held, and whenever what matters has changed."""

@@ -45,12 +45,18 @@ class Light:
 
 @dataclass
 class Print:
-    """A printed marker in the optical frame; ``cover`` is the share of its width that something dark hides."""
+    """A printed marker in the optical frame.
+
+    Attributes:
+        cover: share of its width that something dark hides, from the left.
+        hidden: dark rectangles: left, upper, right and lower edge in modules from the square's upper left corner.
+    """
 
     pose: Pose
     size: float = 0.1
     number: int = 7
     cover: float = 0.0
+    hidden: Sequence[tuple[float, float, float, float]] = ()
 
 
 @dataclass
@@ -127,6 +133,9 @@ def _texture(item: Print, light: Light) -> tuple[Array, Array]:
     texture = light.ink + texture / 255 * (light.paper - light.ink)
     if item.cover:
         texture[:, : margin + round(item.cover * square.shape[1])] = 60.0
+    for edges in item.hidden:
+        left, upper, right, lower = (max(0, margin + round(edge * _MODULE_PIXELS)) for edge in edges)
+        texture[upper:lower, left:right] = 45.0
     half = item.size / 2 * (1 + 2 * _MARGIN / _MODULES)
     corners = ((-half, half, 0.0), (half, half, 0.0), (half, -half, 0.0), (-half, -half, 0.0))
     return texture.astype(np.float32), np.array(corners)

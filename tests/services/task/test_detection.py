@@ -141,6 +141,50 @@ def test_partly_covered_is_not_believed(cover: float) -> None:
     assert result in ("marker_missing", "marker_error", "marker_other")
 
 
+FINGER = (2.5, 5.9, 4.2, 7.0)
+"""As the robot's own finger just before the grasp: over the white below the square, and a little of its border."""
+KNOWN = (NUMBER, Pose(VIEW.position + np.array((0.002, -0.001, 0.003)), VIEW.rotation))
+
+
+@pytest.mark.parametrize("light", LIGHTS.values(), ids=LIGHTS)
+def test_tracked_it_is_found_behind_a_finger_that_touches_it(light: Light) -> None:
+    image = message(render([Print(VIEW, 0.15, hidden=[FINGER])], light))
+    detector = Detector(0.15)
+    assert detector.find(image) == [], "searched for"
+    pose = believed(detector.find(image, KNOWN))
+    assert isinstance(pose, Pose), pose
+    assert pose.near(VIEW, 0.01, math.radians(2.0))
+
+
+NOT_FOLLOWED = {
+    "gone": [],
+    "another one": [Print(VIEW, 0.15, number=8)],
+    "covered": [Print(VIEW, 0.15, cover=1.0)],
+    "a cell of its code hidden": [
+        Print(VIEW, 0.15, hidden=[FINGER, (1.0, 1.0, 2.0, 2.0), (3.0, 1.0, 4.0, 2.0)])
+    ],
+    "an edge hidden": [Print(VIEW, 0.15, hidden=[(-1.0, 5.9, 7.0, 7.0)])],
+    "turned by a quarter": [
+        Print(VIEW @ Pose.from_rpy((0, 0, 0), (0, 0, math.pi / 2)), 0.15, hidden=[(5.9, 2.5, 7.0, 4.2)])
+    ],
+    "moved by a quarter of its size": [
+        Print(Pose(VIEW.position + 0.04 * VIEW.rotation[:, 0], VIEW.rotation), 0.15, hidden=[FINGER])
+    ],
+}
+
+
+@pytest.mark.parametrize("name", NOT_FOLLOWED)
+def test_tracked_it_is_not_believed_where_it_cannot_be_read(name: str) -> None:
+    image = message(render(NOT_FOLLOWED[name]))
+    assert isinstance(believed(Detector(0.15).find(image, KNOWN)), str)
+
+
+def test_what_the_search_finds_counts_more_than_what_is_known() -> None:
+    far = (NUMBER, Pose(VIEW.position + np.array((0.1, 0.0, 0.0)), VIEW.rotation))
+    pose = believed(Detector(0.15).find(message(render([Print(VIEW, 0.15)])), far))
+    assert isinstance(pose, Pose) and pose.distance(VIEW) < 0.01
+
+
 def test_small_and_facing_the_camera_is_ambiguous() -> None:
     doubts = [trial(0.06, 1.5, 4, Light(seed=draw, noise=4.0), draw) for draw in range(10)]
     assert ("marker_ambiguous",) in doubts
