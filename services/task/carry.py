@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from services.task.approach import OPEN_AFTER, closing, is_open, opening
 from services.task.geometry import Pose, roll_since
 from services.task.level import LevelAssist, unlevel
@@ -43,10 +45,12 @@ class Carry:
         """The gripper opens: nothing holds the panel any more."""
         self._time = 0.0
         self._end: Pose | None = None
+        self._stands: Pose | None = None
 
     def carry(self, seen: Seen, dt: float) -> Decision:
         """Follow the person; the target does what CARRY 1 and 2 say, the nominal wrench what 3 says."""
         settings = self._settings
+        self._stands = None
         height = self._height(seen, dt)
         target = carrying_target(self.home, seen.tool, height, settings.fixed_target)
         force = self.nominal.carry(seen.force, dt)
@@ -73,7 +77,7 @@ class Carry:
         if self._judge.may_release(stance, dt, pose_matters=not self.asked):
             return self.let_go(seen)
         height = float(seen.tool.position[2]) - self._judge.press()
-        target = carrying_target(self.home, seen.tool, height, settings.fixed_target)
+        target = carrying_target(self._standing_place(seen.tool), seen.tool, height, settings.fixed_target)
         if not self.asked and self._judge.has_to_leave(stance):
             self._level.height = float(seen.tool.position[2])
             missing = ", ".join(why_no_probe(stance))
@@ -119,6 +123,14 @@ class Carry:
             )
             return Decision(reason, seen.tool, after=State.HOLDING)
         return Decision(f"going back, {left:.2f} m left", self._end)
+
+    def _standing_place(self, tool: Pose) -> Pose:
+        """Home, moved to where the panel began to stand: to drag it over the ground takes what the way down needs."""
+        if self._settings.fixed_target:
+            return self.home
+        if self._stands is None:
+            self._stands = tool
+        return Pose(np.array((*self._stands.position[:2], self.home.position[2])), self.home.rotation)
 
     def _stuck(self, seen: Seen, dt: float) -> str:
         """That the arm does not give way to a force beyond the limit, which only its own limits keep it from."""

@@ -165,6 +165,21 @@ def test_turned_back_while_set_down_it_is_carried_on() -> None:
     assert play.toy.gripped and "carrying on" in play.machine.reason
 
 
+def test_a_panel_on_the_ground_is_not_dragged_home() -> None:
+    play = Play().reach(State.RELEASING)
+    home = play.decision.target.position[:2].copy()
+    tool = play.toy.tool
+    aside = home + np.array((0.04, -0.05))
+    play.toy.tool = Pose(np.array((*aside, tool.position[2])), tool.rotation)
+    for _ in range(10):
+        assert play.tick().target.position[:2] == pytest.approx(aside, abs=1e-9)
+    play.toy.stands, play.toy.roll_rate = 0.0, -0.8
+    play.to(State.CARRYING, 3.0)
+    assert play.tick().target.position[:2] == pytest.approx(home, abs=1e-9), (
+        "while it is carried, that is home"
+    )
+
+
 def test_base_is_enabled_while_carrying_only() -> None:
     play = Play()
     play.machine.command("start")
