@@ -1,7 +1,7 @@
 """The carry's course with the person of a case, who tells the robot what it waits for.
 
-He says `tandem task release` when the robot does not let go of a panel on the ground, and `tandem resume` and
-`tandem task start` when it holds because a fault was latched.
+He says `tandem task release` when the robot does not let go of a panel on the ground, once more if it still does not,
+and `tandem resume` and `tandem task start` when it holds because a fault was latched.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ PATIENCE = 12.0
 LOOKS, ENDS = 1.0, 1.0
 """Time [s] until he says `resume`, and from then on until `start`: less than the course waits for a task that holds."""
 MOST_WORDS = 4
+MOST_RELEASES = 2
+"""The second one opens the gripper at once."""
 ALONE = 6.0
 """Time [s] for which the robot has to hold what he has let go of."""
 NOTE_EVERY = 1.0  # [s]
@@ -55,12 +57,13 @@ class SweepCourse(CarrySequence):
             self._watch(now, seen)
         elif asks := self._resume(now, seen):
             return asks
-        waits = seen.doing == "wait" and seen.task == "carrying"
+        waits = seen.doing == "wait" and seen.task in ("carrying", "releasing")
         if not waits:
             self._waiting_since = None
         elif self._waiting_since is None:
             self._waiting_since = now
-        elif now - self._waiting_since > PATIENCE and "release" not in self.told:
+        elif now - self._waiting_since > PATIENCE and self.told.count("release") < MOST_RELEASES:
+            self._waiting_since = now
             return self._tell(now, seen, "release")
         return super()._play(now, seen)
 

@@ -19,7 +19,7 @@ class TaskParameters(Parameters):
         0.15, unit="m", minimum=0.02, maximum=1.0, doc="side of the marker's printed black square"
     )
     marker_error: float = parameter(
-        0.3, unit="px", minimum=0.01, maximum=10.0, doc="largest reprojection error (rms) of its corners"
+        0.5, unit="px", minimum=0.01, maximum=10.0, doc="largest reprojection error (rms) of its corners"
     )
     marker_ambiguity: float = parameter(
         2.0, unit="1", minimum=1.0, maximum=100.0, doc="how many times worse the other tilt has to fit"
