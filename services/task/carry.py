@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from services.task.approach import OPEN_AFTER, closing, is_open, opening
 from services.task.geometry import Pose, roll_since
 from services.task.level import LevelAssist, unlevel
@@ -11,7 +9,7 @@ from services.task.nominal import NominalWrench
 from services.task.parameters import TaskParameters
 from services.task.release import ReleaseJudge, Stance, why_no_probe, why_no_release
 from services.task.states import Decision, Seen, State
-from services.task.target import carrying_target
+from services.task.target import carrying_target, standing_target
 from services.task.timers import Held
 
 _BACK = 0.03  # [m]
@@ -76,8 +74,7 @@ class Carry:
         stance = self._stance(seen)
         if self._judge.may_release(stance, dt, pose_matters=not self.asked):
             return self.let_go(seen)
-        height = float(seen.tool.position[2]) - self._judge.press()
-        target = carrying_target(self._standing_place(seen.tool), seen.tool, height, settings.fixed_target)
+        target = self._set_down(seen.tool)
         if not self.asked and self._judge.has_to_leave(stance):
             self._level.height = float(seen.tool.position[2])
             missing = ", ".join(why_no_probe(stance))
@@ -124,13 +121,12 @@ class Carry:
             return Decision(reason, seen.tool, after=State.HOLDING)
         return Decision(f"going back, {left:.2f} m left", self._end)
 
-    def _standing_place(self, tool: Pose) -> Pose:
-        """Home, moved to where the panel began to stand: to drag it over the ground takes what the way down needs."""
+    def _set_down(self, tool: Pose) -> Pose:
+        """The target while the panel is set down."""
         if self._settings.fixed_target:
             return self.home
-        if self._stands is None:
-            self._stands = tool
-        return Pose(np.array((*self._stands.position[:2], self.home.position[2])), self.home.rotation)
+        self._stands = self._stands or tool
+        return standing_target(self._stands, tool, float(tool.position[2]) - self._judge.press())
 
     def _stuck(self, seen: Seen, dt: float) -> str:
         """That the arm does not give way to a force beyond the limit, which only its own limits keep it from."""

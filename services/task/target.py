@@ -1,4 +1,4 @@
-"""Where the tool is wanted while carrying (CARRY 1)."""
+"""Where the tool is wanted while carrying (CARRY 1), and while the panel is set down."""
 
 from __future__ import annotations
 
@@ -34,3 +34,18 @@ def carrying_target(home: Pose, tool: Pose, height: float, fixed: bool) -> Pose:
         quarter = math.copysign(QUARTER, turned)
         roll = home_roll + min(quarter + LEEWAY, max(quarter - LEEWAY, turned))
     return Pose.from_rpy((home.position[0], home.position[1], height), (roll, pitch, yaw))
+
+
+def standing_target(place: Pose, tool: Pose, height: float) -> Pose:
+    """The target's pose in base while the panel is set down.
+
+    x, y and yaw stay where that began, pitch and roll are those that the ground gives the panel: whatever is pressed
+    against a panel that stands takes room in the limits, and the way down needs it.
+
+    Args:
+        place: the tool when the panel began to stand.
+        tool: the tool now.
+        height: of the target [m].
+    """
+    roll, pitch, _ = tool.rpy.tolist()
+    return Pose.from_rpy((place.position[0], place.position[1], height), (roll, pitch, float(place.rpy[2])))

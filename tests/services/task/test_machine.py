@@ -15,6 +15,7 @@ from services.task.machine import Machine
 from services.task.parameters import TaskParameters
 from services.task.states import REACTIONS, Decision, State
 from shared.parameters import Refused
+from shared.spatial import rotation_from_vector
 from tests.services.task.toy import MARKER, Toy
 
 DT = 0.02
@@ -165,19 +166,25 @@ def test_turned_back_while_set_down_it_is_carried_on() -> None:
     assert play.toy.gripped and "carrying on" in play.machine.reason
 
 
-def test_a_panel_on_the_ground_is_not_dragged_home() -> None:
+def test_a_panel_on_the_ground_is_neither_dragged_home_nor_pressed_upright() -> None:
     play = Play().reach(State.RELEASING)
-    home = play.decision.target.position[:2].copy()
+    home = play.machine.entry(None).home
     tool = play.toy.tool
-    aside = home + np.array((0.04, -0.05))
-    play.toy.tool = Pose(np.array((*aside, tool.position[2])), tool.rotation)
+    aside = np.array((0.04, -0.05, 0.0))
+    play.toy.tool = tool = Pose(
+        tool.position + aside, rotation_from_vector((0.0, 0.0, 0.1)) @ tool.rotation
+    ) @ Pose.from_rpy((0, 0, 0), (math.radians(5), 0, 0))
     for _ in range(10):
-        assert play.tick().target.position[:2] == pytest.approx(aside, abs=1e-9)
+        target = play.tick().target
+        assert target.position[:2] == pytest.approx(tool.position[:2], abs=1e-9)
+        assert target.angle(tool) < 0.01
     play.toy.stands, play.toy.roll_rate = 0.0, -0.8
     play.to(State.CARRYING, 3.0)
-    assert play.tick().target.position[:2] == pytest.approx(home, abs=1e-9), (
+    target = play.tick().target
+    assert target.position[:2] == pytest.approx(home.position[:2], abs=1e-9), (
         "while it is carried, that is home"
     )
+    assert target.rpy[2] == pytest.approx(home.rpy[2], abs=1e-9)
 
 
 def test_base_is_enabled_while_carrying_only() -> None:
