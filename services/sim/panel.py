@@ -15,8 +15,8 @@ SUPPORTS = (-0.25, 0.25)
 """Where the two trestles stand, as shares of the panel's length from its centre."""
 SUPPORT_WIDTH = 0.35
 """Distance of a trestle's two points of contact from the panel's centre line, as a share of its width."""
-CLEARED = 0.1
-"""Height [m] above its supports from which on they are taken away: nobody sets the panel down on them again."""
+CLEARED = 0.05
+"""How far [m] its centre is lifted off the supports when they are taken away: turned by 90 degrees it would hit them."""
 
 
 @dataclass(frozen=True)

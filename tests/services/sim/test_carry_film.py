@@ -14,6 +14,7 @@ from services.sim.carry_run import CarryRun, Moment
 from services.sim.carry_scene import CarryScene
 from services.sim.figure import FOREARM, UPPER_ARM, posture
 from services.sim.film import STRIP, main
+from services.sim.panel import CLEARED
 from shared import topics
 from shared.messages import HeadCommand
 from tests.services.sim.carries import ROWS, SECONDS, START, carry, saved
@@ -87,7 +88,7 @@ def test_trestles_are_there_until_the_panel_is_lifted(run: CarryRun) -> None:
     standing = [run.at(time).trestles is not None for time in run.time]
     assert standing[0] and not standing[-1]
     lift = run.at(run.time[standing.index(False)]).panel[2] - START[2]
-    assert lift == pytest.approx(0.1, abs=0.02)
+    assert lift == pytest.approx(CLEARED, abs=0.02)
 
 
 def test_the_marker_is_seen_until_it_is_covered(run: CarryRun, scene: CarryScene) -> None:

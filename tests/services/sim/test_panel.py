@@ -122,6 +122,14 @@ def test_the_supports_are_taken_away_once_it_is_lifted() -> None:
     assert panel.body.position[2] < 0.03
 
 
+@pytest.mark.parametrize(("lifted", "stand"), [(0.04, True), (0.06, False)])
+def test_they_are_taken_away_before_it_can_hit_them_when_it_is_turned(lifted: float, stand: bool) -> None:
+    panel = Panel(SPEC)
+    panel.body.position[2] += lifted
+    panel.step(np.array((0.0, 0.0, WEIGHT)), np.zeros(3), STEP)
+    assert panel.supported == stand
+
+
 def test_a_free_body_keeps_energy_and_angular_momentum() -> None:
     inertia = np.array((0.05, 0.18, 0.22))
     body = RigidBody(1.5, inertia, np.zeros(3), np.eye(3))
