@@ -48,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.seed is not None:
         played = play(case(options.seed, overrides))
         trace(played)
-        return 0 if played.verdict.completed or played.verdict.safe else 1
+        return 0 if played.verdict.as_it_should else 1
     seeds = [seed for seed in _numbers(options.seeds) if options.kind in (None, case(seed).kind)]
     begun, results = time.monotonic(), []
     try:
@@ -61,7 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not results:
         return 1
     show(results, time.monotonic() - begun, options.jobs)
-    good = sum(verdict.completed or verdict.safe for _, verdict in results)
+    good = sum(verdict.as_it_should for _, verdict in results)
     bad = any(verdict.dropped or verdict.early for _, verdict in results)
     return 1 if bad or good < 0.99 * len(results) else 0
 

@@ -37,6 +37,7 @@ class Verdict:
         stands: at the end the panel stands on its edge.
         held: at the end the gripper holds it.
         ends_held: that is what was to be, because the person let go of his end in the middle.
+        warned: the robot had said that the panel would be torn out of its fingers if that was done.
         trouble: why the experiment itself could not go on.
     """
 
@@ -55,12 +56,18 @@ class Verdict:
     stands: bool = False
     held: bool = False
     ends_held: bool = False
+    warned: bool = False
     trouble: str = ""
 
     @property
+    def torn(self) -> bool:
+        """Whether a panel heavier than the gripper holds was torn out of it because the person let go all the same."""
+        return self.lost and self.ends_held and self.warned
+
+    @property
     def dropped(self) -> bool:
-        """Whether the panel fell, or the gripper lost it."""
-        return self.lost or self.fell
+        """Whether the panel fell, or the gripper lost it, and the person had not been told so before he let go."""
+        return (self.lost or self.fell) and not self.torn
 
     @property
     def early(self) -> bool:
@@ -78,12 +85,19 @@ class Verdict:
         return self.ends_held and self.held and self.gap is None and not self.dropped and bool(self.reason)
 
     @property
+    def as_it_should(self) -> bool:
+        """Whether this is an end that nobody has to explain."""
+        return self.completed or self.safe or self.torn
+
+    @property
     def word(self) -> str:
         """The verdict in one word."""
         if self.dropped:
             return "DROPPED"
         if self.early:
             return "EARLY"
+        if self.torn:
+            return "torn out as announced"
         if self.safe:
             return "held safely"
         return "completed" if self.completed else "NOT COMPLETED"
@@ -97,6 +111,7 @@ def judge(
     told: Sequence[str],
     trouble: str = "",
     ends_held: bool = False,
+    warned: bool = False,
 ) -> Verdict:
     """The verdict on what the witness saw.
 
@@ -108,6 +123,7 @@ def judge(
         told: what a person had to say to it.
         trouble: of the experiment.
         ends_held: whether the panel is to be held in the end, and not set down.
+        warned: whether the robot said that it could not hold it alone.
     """
     state, time = seen["state"], seen["time"]
     gripped, opening, held = seen["gripped"], seen["opening"], seen["held"]
@@ -145,5 +161,6 @@ def judge(
         stands=bool(seen["upright"][-1] > FALLEN),
         held=bool(gripped[-1]),
         ends_held=ends_held,
+        warned=warned,
         trouble=trouble,
     )

@@ -21,6 +21,9 @@ from services.experiment.recording import Event
 from shared.messages import Stop
 from shared.topics import STOP
 
+WARNING = "do not let go of it"
+"""In what the task says of a panel that the gripper cannot hold alone."""
+
 
 @dataclass(frozen=True)
 class Played:
@@ -66,7 +69,10 @@ def play(chosen: Case) -> Played:
     states = [event for event in events if event.name in STATES]
     end = states[-1] if states else Event(0.0, "", trouble)
     limits = np.array(protocol.FORCE_LIMIT + protocol.TORQUE_LIMIT)
-    verdict = judge(witness.seen(), limits, end.name, end.detail, course.told, trouble, chosen.ends_held)
+    warned = any(WARNING in event.detail for event in events)
+    verdict = judge(
+        witness.seen(), limits, end.name, end.detail, course.told, trouble, chosen.ends_held, warned
+    )
     return Played(chosen, verdict, events, witness.seen())
 
 

@@ -55,6 +55,7 @@ def show(results: Sequence[Result], took: float, jobs: int) -> None:
         "completed",
         "of them told to",
         "held safely",
+        "torn out",
         "not",
         "dropped",
         "early",
@@ -81,7 +82,7 @@ def show(results: Sequence[Result], took: float, jobs: int) -> None:
     ):
         print(f"{text:8}" + "".join(f"{value:8.2f}" for value in values))
     for case, verdict in results:
-        if not verdict.completed and not verdict.safe:
+        if not verdict.as_it_should:
             print(line(case, verdict))
     fallen = [case.seed for case, verdict in results if verdict.completed and not verdict.stands]
     if fallen:
@@ -98,6 +99,7 @@ def _cells(verdicts: Sequence[Verdict]) -> list[str]:
         str(completed),
         str(sum(verdict.completed and bool(verdict.told) for verdict in verdicts)),
         str(sum(verdict.safe for verdict in verdicts)),
+        str(sum(verdict.torn for verdict in verdicts)),
         str(sum(verdict.word == "NOT COMPLETED" for verdict in verdicts)),
         str(sum(verdict.dropped for verdict in verdicts)),
         str(sum(verdict.early for verdict in verdicts)),

@@ -16,7 +16,7 @@ SUPPORTS = (-0.25, 0.25)
 SUPPORT_WIDTH = 0.35
 """Distance of a trestle's two points of contact from the panel's centre line, as a share of its width."""
 CLEARED = 0.05
-"""How far [m] its centre is lifted off the supports when they are taken away: turned by 90 degrees it would hit them."""
+"""How far [m] its centre is lifted when the supports are taken away: turned by 90 degrees it would hit them."""
 
 
 @dataclass(frozen=True)

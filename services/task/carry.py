@@ -59,7 +59,8 @@ class Carry:
                 "setting the panel down", target, force, after=State.RELEASING, gripper=closing(settings)
             )
         if not self.nominal.supported:
-            reason = f"lift the panel: the robot carries {-min(0.0, seen.force):.1f} of {settings.half_weight:.1f} N"
+            carried = f"the robot carries {-min(0.0, seen.force):.1f} of {settings.half_weight:.1f} N"
+            reason = f"lift the panel{settings.warning}: {carried}"
         else:
             missing = ", ".join(why_no_probe(stance)) or "about to stand"
             reason = f"carrying; to be set down: {missing}{self._stuck(seen, dt)}"

@@ -85,6 +85,13 @@ class TaskParameters(Parameters):
     grasp_effort: float = parameter(
         3.0, unit="N", minimum=0.0, maximum=100.0, doc="effort that a verified grasp shows at least"
     )
+    grip_torque: float = parameter(
+        10.0,
+        unit="Nm",
+        minimum=0.1,
+        maximum=1000.0,
+        doc="largest moment of the panel's weight that the gripper holds alone; simulated: 12",
+    )
     grasp_width: float = parameter(
         0.02,
         unit="m",
@@ -193,6 +200,16 @@ class TaskParameters(Parameters):
     def half_weight(self) -> float:
         """M g / 2 [N], what the robot carries of the panel."""
         return self.panel_mass * GRAVITY / 2
+
+    @property
+    def warning(self) -> str:
+        """What the person has to know about a panel that the gripper does not hold alone; empty if it does."""
+        alone = self.half_weight * self.panel_length
+        if alone <= self.grip_torque:
+            return ""
+        return (
+            f" and do not let go of it before it stands: its {alone:.0f} Nm would tear it out of the gripper"
+        )
 
     @property
     def half_width(self) -> float:

@@ -85,6 +85,18 @@ def test_to_hold_on_is_safe_where_the_person_let_go_and_nowhere_else() -> None:
     assert not judge(seen, LIMITS, "holding", "", told=(), ends_held=True).safe
 
 
+def test_to_be_torn_out_is_no_drop_only_if_it_was_announced_and_the_person_let_go() -> None:
+    seen = carried(gripped=("carrying", 50, False))
+
+    def found(**how: bool) -> Verdict:
+        return judge(seen, LIMITS, "holding", "lost", told=(), **how)
+
+    torn = found(ends_held=True, warned=True)
+    assert torn.torn and torn.as_it_should and not torn.dropped and torn.word == "torn out as announced"
+    for how in ({"ends_held": True}, {"warned": True}):
+        assert found(**how).word == "DROPPED" and not found(**how).as_it_should
+
+
 def test_limits_are_centred_on_the_nominal_force() -> None:
     found = verdict(wrench=("carrying", 50, (0.0, 0.0, -22.0, 0.25, 0.0, 0.0)))
     assert found.peak[2] == pytest.approx(1.5) and found.peak[3] == pytest.approx(0.5)

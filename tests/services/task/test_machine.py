@@ -149,6 +149,14 @@ def test_nominal_is_zero_before_the_lift_and_fades_in_the_release() -> None:
     assert play.decision.nominal == 0.0
 
 
+def test_who_lifts_a_panel_that_the_gripper_cannot_hold_alone_is_told_so() -> None:
+    light, heavy = (Play(panel_mass=mass).reach(State.CARRYING) for mass in (1.5, 2.5))
+    for play in (light, heavy):
+        play.run(0.2)
+    assert "let go" not in light.machine.reason
+    assert "do not let go of it before it stands: its 15 Nm would tear it" in heavy.machine.reason
+
+
 def test_a_panel_that_was_never_lifted_is_not_let_go() -> None:
     play = Play(ground_height=0.5).reach(State.CARRYING)
     play.toy.roll_rate = 0.2
