@@ -119,7 +119,9 @@ class Machine(Commands):
             self._waited = 0.0
             return None if self._seen is not None else Decision(self.reason)
         limit, fault = min(serious, key=lambda pair: (pair[0], list(Kind).index(pair[1].kind)))
-        self._rest = (self._seen.tool if self._seen else None) if self._waited == 0.0 else self._rest
+        if self._waited == 0.0 or self._rest is None:
+            # Not known when the waiting began, it is as soon as the pose is: nothing old is gone on to meanwhile.
+            self._rest = self._seen.tool if self._seen else None
         self._waited += dt
         if self._waited >= limit:
             self._cause = fault
