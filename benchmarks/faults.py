@@ -143,7 +143,7 @@ def _spoil(change: Callable[[bytes], tuple[bytes, ...]]) -> Callable[[Stack], in
     def inject(stack: Stack) -> int:
         stack.robot.bus.spoil = lambda key, payload: change(payload) if key == SENSOR_FT.key else (payload,)
         time.sleep(0.012)
-        return stack.robot.bus.last_sent_ns
+        return stack.robot.bus.last_sent_ns[SENSOR_FT.key]
 
     return inject
 

@@ -148,10 +148,12 @@ class Chain:
     def works(self, what: str = "the tool is commanded to move") -> None:
         """Wait until the tool moves, and keeps moving for a while."""
         count = len(self.watch.commands)
-        eventually(lambda: self.watch.moved_since(count) >= 15, PATIENCE, f"{what} ({self.watch.reason})")
+        eventually(
+            lambda: self.watch.moved_since(count) >= 15, PATIENCE, lambda: f"{what} ({self.watch.reason})"
+        )
 
     def brakes(self, what: str = "the controller brakes") -> None:
-        eventually(self.watch.stopped, PATIENCE, f"{what} ({self.watch.reason})")
+        eventually(self.watch.stopped, PATIENCE, lambda: f"{what} ({self.watch.reason})")
 
     def refused(self, service: str, key: str) -> int:
         """How many messages of a key a service refused so far, by its own account."""

@@ -36,8 +36,7 @@ def silent(chain: Chain) -> None:
 
 def test_a_killed_controller_is_missed_and_its_successor_resumes(chain: Chain, robot: Process) -> None:
     before = chain.watch.commands[-1].session
-    chain.controller.signal(signal.SIGKILL)
-    chain.controller.wait()
+    chain.controller.kill()
     silent(chain)
     eventually(lambda: "controller" not in chain.bus.living(), PATIENCE, "it is shown as lost")
     first = len(chain.watch.commands)

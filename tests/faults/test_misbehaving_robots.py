@@ -143,8 +143,7 @@ def test_a_restarted_robot_is_followed(chain: Chain) -> None:
     for _ in range(2):
         with robot(chain, "robot") as program:
             chain.works("the robot moves")
-            program.signal(signal.SIGKILL)
-            program.wait()
+            program.kill()
             chain.brakes()
             assert "latched" not in chain.watch.reason
     chain.unharmed()

@@ -147,8 +147,7 @@ def test_payloads_pass_again_soon_after_the_router_was_killed_and_restarted(
         pair.two.serve("wrench/tare", lambda request, reply: reply(b"here"))
         pair.two.alive("wrench")
         eventually(pair.through)
-        router.process.signal(signal.SIGKILL)
-        router.process.wait()
+        router.process.kill()
         eventually(lambda: not pair.one.connected(), message="the loss of the router noticed")
         pair.heard.clear()
         for _ in range(100):

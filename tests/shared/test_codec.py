@@ -17,19 +17,12 @@ from shared.fields import InvalidField, Kind, Number, Vector
 from shared.messages import ControlTarget, ExternalWrench, FtSample, GripperState, Header
 from shared.records import MapOf, Record, RecordOf
 from shared.sim_messages import BagState
+from tests.shared.samples import SAMPLE, rejection
 from tests.shared.strategies import MESSAGES, any_plain, payload_map
 
 every_message = pytest.mark.parametrize("message", MESSAGES, ids=lambda message: message.__name__)
 few = settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 many = settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-HEADER: dict[str, Any] = {"seq": 7, "session": 3, "stamp": 5, "valid": True}
-SAMPLE = HEADER | {
-    "force": [1.0, 2.0, 3.0],
-    "torque": [0.1, 0.2, 0.3],
-    "orientation": [0.0, 0.0, 0.0, 1.0],
-    "tool_offset": [0.0, 0.0, 0.2],
-    "saturated": False,
-}
 
 
 def all_finite(value: object) -> bool:
@@ -41,14 +34,6 @@ def all_finite(value: object) -> bool:
         case dict():
             return all(all_finite(element) for element in value.values())
     return True
-
-
-def rejection(message: type[Record], data: object) -> str:
-    with pytest.raises(Rejected) as caught:
-        decode(message, msgpack.packb(data))
-    text = str(caught.value)
-    assert len(text) < 400 and "\n" not in text
-    return text
 
 
 @every_message

@@ -11,8 +11,8 @@ import pytest
 from shared.bus_zenoh import ZenohBus
 from shared.process import Loop, StopRequest
 from tests.conftest import Router
+from tests.shared.busy_loop import BusyLoop
 from tests.shared.runner_rig import Rig
-from tests.shared.test_overruns import Loop as BusyLoop
 from tests.support.wait import eventually
 
 

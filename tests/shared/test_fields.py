@@ -11,7 +11,7 @@ import pytest
 from shared.codec import decode
 from shared.fields import Boolean, Integer, InvalidField
 from shared.messages import FtSample, Header, JointState, Stop, TaskStatus, TwistCommand
-from tests.shared.test_codec import HEADER, SAMPLE, rejection
+from tests.shared.samples import HEADER, SAMPLE, rejection
 
 
 def test_integers_pass_for_floats_and_nothing_else_does() -> None:

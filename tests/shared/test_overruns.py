@@ -2,60 +2,25 @@
 
 from __future__ import annotations
 
-from shared.bus_local import LocalBus, Scheduler
 from shared.codec import decode
 from shared.faults import FaultKind
 from shared.messages import Header, TwistCommand
-from shared.runner import LONGEST_DT, Runner
+from shared.runner import LONGEST_DT
 from shared.timing import LoopTiming
-from shared.topics import COMMAND_EE_TWIST, STATE_EE, WRENCH_EXTERNAL
-from tests.shared.rig import ManualClock, Publisher, Recorder, tool, wrench
-
-
-class Loop:
-    """A runner on a clock that its own steps move, fed at 100 Hz."""
-
-    def __init__(self, **wiring: object) -> None:
-        self.clock = ManualClock()
-        self.scheduler = Scheduler()
-        self.service = Recorder(**wiring)
-        self.bus = LocalBus(self.scheduler)
-        self.runner = Runner(self.service, self.bus, self.clock)
-        self.wrench, self.ee = Publisher(self.clock), Publisher(self.clock)
-        self.cost = 0.0
-        self.service.on_step = lambda inputs: self.clock.advance(self.cost)
-
-    def deliver(self, age: float = 0.0) -> None:
-        for topic, publisher, message in (
-            (WRENCH_EXTERNAL, self.wrench, wrench()),
-            (STATE_EE, self.ee, tool()),
-        ):
-            inlet = self.runner.inlets.get(topic.key)
-            if inlet is not None:
-                inlet.offer(publisher.payload(message, stamp=publisher.stamp() - round(age * 1e9)))
-
-    def run(self, count: int, period: float = 0.01) -> None:
-        for _ in range(count):
-            self.clock.advance(period)
-            self.deliver()
-            self.runner.poll()
-
-    def working(self) -> None:
-        self.run(100)
-        assert self.runner.fault is None
-        self.service.calls.clear()
-        self.service.steps.clear()
+from shared.topics import COMMAND_EE_TWIST, WRENCH_EXTERNAL
+from tests.shared.busy_loop import BusyLoop
+from tests.shared.rig import ManualClock
 
 
 def test_a_step_within_its_period_is_no_overrun() -> None:
-    loop = Loop()
+    loop = BusyLoop()
     loop.cost = 0.009
     loop.run(300, period=0.001)
     assert loop.runner.timing.overruns == 0
 
 
 def test_late_steps_are_counted_and_more_than_a_twentieth_of_them_brakes() -> None:
-    loop = Loop()
+    loop = BusyLoop()
     loop.working()
     for _ in range(4):
         loop.cost = 0.012
@@ -76,7 +41,7 @@ def test_late_steps_are_counted_and_more_than_a_twentieth_of_them_brakes() -> No
 
 
 def test_one_stall_of_more_than_five_periods_brakes_and_is_not_caught_up() -> None:
-    loop = Loop()
+    loop = BusyLoop()
     loop.working()
     loop.clock.advance(0.01)
     for _ in range(8):
@@ -92,7 +57,7 @@ def test_one_stall_of_more_than_five_periods_brakes_and_is_not_caught_up() -> No
 
 
 def test_a_burst_that_the_network_delivers_at_once_is_no_overrun() -> None:
-    loop = Loop()
+    loop = BusyLoop()
     loop.working()
     for _ in range(50):
         loop.clock.advance(0.02)
@@ -104,7 +69,7 @@ def test_a_burst_that_the_network_delivers_at_once_is_no_overrun() -> None:
 
 
 def test_a_sample_accepted_while_the_loop_reads_is_no_overrun() -> None:
-    loop = Loop()
+    loop = BusyLoop()
     loop.working()
     inlet = loop.runner.inlets[WRENCH_EXTERNAL.key]
     waiting_since = inlet.waiting_since
@@ -123,7 +88,7 @@ def test_a_sample_accepted_while_the_loop_reads_is_no_overrun() -> None:
 
 
 def test_dt_of_the_step_after_a_stall_is_clamped() -> None:
-    loop = Loop()
+    loop = BusyLoop()
     loop.working()
     loop.cost = 5.0
     loop.run(1)
@@ -133,7 +98,7 @@ def test_dt_of_the_step_after_a_stall_is_clamped() -> None:
 
 
 def test_a_timer_resynchronises_after_a_stall() -> None:
-    loop = Loop(driver=0.01, required=(), optional=())
+    loop = BusyLoop(driver=0.01, required=(), optional=())
     for _ in range(10):
         loop.clock.advance(0.01)
         loop.runner.poll()
@@ -150,7 +115,7 @@ def test_a_timer_resynchronises_after_a_stall() -> None:
 
 
 def test_a_service_may_declare_that_being_late_is_no_fault() -> None:
-    loop = Loop(driver=0.01, required=(), optional=(), overrun_share=1.0)
+    loop = BusyLoop(driver=0.01, required=(), optional=(), overrun_share=1.0)
     for _ in range(50):
         loop.clock.advance(0.5)
         loop.runner.poll()
@@ -183,7 +148,7 @@ def test_latencies_are_those_of_the_last_second() -> None:
 
 def test_after_an_absence_of_the_whole_process_it_arms_anew() -> None:
     """Stopped and continued: the inputs are healthy again at the first look, but nobody watched them meanwhile."""
-    loop = Loop()
+    loop = BusyLoop()
     loop.working()
     loop.clock.advance(2.0)
     loop.run(45)
@@ -193,7 +158,7 @@ def test_after_an_absence_of_the_whole_process_it_arms_anew() -> None:
 
 
 def test_a_process_stopped_within_a_step_does_not_pass_its_output_off_as_fresh() -> None:
-    loop = Loop()
+    loop = BusyLoop()
     loop.working()
     headers: list[Header] = []
     loop.bus.subscribe(COMMAND_EE_TWIST.key, lambda payload: headers.append(decode(TwistCommand, payload)[0]))

@@ -6,13 +6,17 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
+from signal import SIGTERM
 from types import TracebackType
 
 from tests.support.wait import eventually
 
 ROOT = Path(__file__).resolve().parents[2]
+LONGEST_END = 2.0
+"""Time [s] within which the contract promises the end."""
 
 
 class Process:
@@ -82,6 +86,26 @@ class Process:
         """Returns once ``text`` stands in the output; fails early if the process ends without it."""
         eventually(lambda: text in self.output or not self.running, timeout, f"{self.module} writes {text!r}")
         assert text in self.output, f"{self.module} ended without writing {text!r}:\n{self.output}"
+
+    def kill(self) -> None:
+        """Ends it with SIGKILL."""
+        self.signal(signal.SIGKILL)
+        self.wait()
+
+    def ends_in_time(self, number: signal.Signals = SIGTERM) -> None:
+        """Ends it with a signal, as the contract promises: soon, with status 0 and without a traceback."""
+        before = time.monotonic()
+        self.signal(number)
+        assert self.wait(20.0) == 0, self.output
+        assert time.monotonic() - before < LONGEST_END
+        assert "Traceback" not in self.output, self.output
+
+    def refuses(self, *parts: str) -> None:
+        """Waits for its end with status 2 and a single line, in which all of these are."""
+        assert self.wait(20.0) == 2, self.output
+        (line,) = self.output.splitlines()
+        for part in parts:
+            assert part in line, line
 
     def stop(self, timeout: float = 5.0) -> int:
         """Ends it with SIGTERM, after ``timeout`` [s] with SIGKILL, and returns the exit status."""

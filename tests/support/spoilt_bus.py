@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterable
 
 from shared.bus_zenoh import ZenohBus
-from shared.topics import SENSOR_FT
 
 Spoil = Callable[[str, bytes], Iterable[bytes]]
 
@@ -21,18 +21,18 @@ class SpoiltBus(ZenohBus):
 
     Attributes:
         spoil: says what.
-        last_sent_ns: when the last sound force-torque sample left.
+        last_sent_ns: by key, when the last sound payload left.
     """
 
     def __init__(self, endpoint: str) -> None:
         super().__init__(connect=endpoint)
         self.spoil: Spoil = healthy
-        self.last_sent_ns = 0
+        self.last_sent_ns: defaultdict[str, int] = defaultdict(int)
 
     def publish(self, key: str, payload: bytes) -> None:
         """As the bus does, but for what is spoilt."""
         spoilt = tuple(self.spoil(key, payload))
         for sent in spoilt:
             super().publish(key, sent)
-        if key == SENSOR_FT.key and payload in spoilt:
-            self.last_sent_ns = time.monotonic_ns()
+        if payload in spoilt:
+            self.last_sent_ns[key] = time.monotonic_ns()

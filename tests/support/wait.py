@@ -11,13 +11,13 @@ T = TypeVar("T")
 _POLL_INTERVAL = 0.005
 
 
-def eventually(condition: Callable[[], T], timeout: float = 10.0, message: str = "") -> T:
+def eventually(condition: Callable[[], T], timeout: float = 10.0, message: str | Callable[[], str] = "") -> T:
     """The first truthy value of ``condition``.
 
     Args:
         condition: called again and again from this thread; cheap and without effect.
         timeout: [s] on the steady clock; generous, since it is spent only by a test that fails.
-        message: what was awaited, for the failure.
+        message: what was awaited, for the failure; a function says it as of then.
 
     Raises:
         AssertionError: if the condition is still false at the deadline.
@@ -28,7 +28,9 @@ def eventually(condition: Callable[[], T], timeout: float = 10.0, message: str =
         if value:
             return value
         if time.monotonic() > deadline:
-            what = message or getattr(condition, "__name__", "the condition")
+            what = (
+                message() if callable(message) else message or getattr(condition, "__name__", "the condition")
+            )
             raise AssertionError(f"not within {timeout} s: {what} (last value: {value!r})")
         time.sleep(_POLL_INTERVAL)
 

@@ -19,8 +19,7 @@ from shared.bus_zenoh import ZenohBus
 from shared.client import Client
 from shared.messages import BaseState, TaskStatus
 from shared.sim_messages import SimWorld
-from tests.services.cli.test_refusals import tandem
-from tests.services.cli.test_stack import pids
+from tests.services.cli.command import pids, tandem
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process
 from tests.support.wait import eventually, throughout

@@ -2,29 +2,12 @@
 
 from __future__ import annotations
 
-import secrets
-import threading
-import time
 from collections.abc import Callable
 
-import msgpack
 import numpy as np
 
-from shared.bus_zenoh import ZenohBus
-from shared.client import Client
 from shared.clock import SteadyClock
-from shared.codec import encode
-from shared.inlet import Received
-from shared.messages import (
-    BaseStatus,
-    BaseTwistCommand,
-    Enable,
-    EndEffector,
-    ExternalWrench,
-    Header,
-    RobotStatus,
-)
-from shared.records import Record
+from shared.messages import BaseStatus, Enable, EndEffector, ExternalWrench, RobotStatus
 from shared.topics import (
     BASE_ENABLE,
     BASE_STATUS,
@@ -32,79 +15,35 @@ from shared.topics import (
     STATE_EE,
     STATE_ROBOT,
     WRENCH_EXTERNAL,
-    Topic,
-    health_topic,
 )
-
-PERIOD = 0.01
-ON_TIME = 0.02
-"""Time [s] between two turns of the test's own thread beyond which a measurement says nothing about the service."""
-Spoil = Callable[[bytes], bytes | None]
+from tests.support.stand_in import StandIn
 
 
-def faithfully(payload: bytes) -> bytes:
-    return payload
+class Surroundings(StandIn):
+    """Robot, wrench service and task in one; collects what the base says.
 
-
-def silently(payload: bytes) -> None:
-    return None
-
-
-def changed(**fields: object) -> Spoil:
-    """Replaces fields of a map."""
-    return lambda payload: msgpack.packb({**msgpack.unpackb(payload), **fields})
-
-
-class Surroundings:
-    """Robot, wrench service and task in one: publishes from a thread of its own, collects what the base says."""
+    Attributes:
+        last_sound_ns: when the last wrench left that is to be used.
+    """
 
     def __init__(self, endpoint: str) -> None:
-        self.bus = ZenohBus(connect=endpoint)
-        self.client = Client(self.bus)
+        super().__init__(endpoint, "base")
         self.valid, self.fault, self.enabled = True, "", True
-        self.spoil: dict[str, Spoil] = {}
-        self.commands: list[Received[BaseTwistCommand]] = []
-        self.statuses: list[Received[BaseStatus]] = []
-        self.client.watch(COMMAND_BASE_TWIST, self.commands.append)
-        self.client.watch(BASE_STATUS, self.statuses.append)
-        self.health = self.client.watch(health_topic("base"))
+        self.commands = self.hear(COMMAND_BASE_TWIST)
+        self.statuses = self.hear(BASE_STATUS)
         self.last_sound_ns = 0
-        self.punctual = True
-        self._session = secrets.randbits(60)
-        self._sequences: dict[str, int] = {}
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._publish)
-        self._thread.start()
 
-    def _publish(self) -> None:
-        due, tick, zero = time.monotonic(), 0, np.zeros(3)
-        robot = RobotStatus("ready", "", "omni", False, 0.3, 1.0, (1.0, 1.0, 2.0))
-        while not self._ended.wait(max(0.0, due - time.monotonic())):
-            self.punctual &= time.monotonic() - due < ON_TIME
-            due += PERIOD
-            self._send(STATE_EE, EndEffector((0.5, 0.0, 1.0), (0, 0, 0, 1), zero, zero))
-            wrench = ExternalWrench((6.0, 0.0, -7.0), zero, (0.2,) * 6, "tare", self.fault)
-            if self._send(WRENCH_EXTERNAL, wrench, self.valid) and self.valid:
-                self.last_sound_ns = SteadyClock().now_ns()
-            if tick % 20 == 0:
-                self._send(STATE_ROBOT, robot)
-                self._send(BASE_ENABLE, Enable(self.enabled))
-            tick += 1
-
-    def _send(self, topic: Topic, message: Record, valid: bool = True) -> bool:
-        """Whether it was sent as it is."""
-        sequence = self._sequences.get(topic.key, 0)
-        self._sequences[topic.key] = sequence + 1
-        payload = encode(message, Header(sequence, self._session, SteadyClock().now_ns(), valid))
-        spoilt = self.spoil.get(topic.key, faithfully)(payload)
-        if spoilt is not None:
-            self.bus.publish(topic.key, spoilt)
-        return spoilt == payload
-
-    def close(self) -> None:
-        self._ended.set()
-        self._thread.join()
-        self.bus.close()
+    def turn(self, number: int) -> None:
+        zero, valid = np.zeros(3), self.valid
+        self.client.publish(STATE_EE, EndEffector((0.5, 0.0, 1.0), (0, 0, 0, 1), zero, zero))
+        wrench = ExternalWrench((6.0, 0.0, -7.0), zero, (0.2,) * 6, "tare", self.fault)
+        self.client.publish(WRENCH_EXTERNAL, wrench, valid)
+        if valid:
+            self.last_sound_ns = self.bus.last_sent_ns[WRENCH_EXTERNAL.key]
+        if number % 20 == 0:
+            robot = RobotStatus("ready", "", "omni", False, 0.3, 1.0, (1.0, 1.0, 2.0))
+            self.client.publish(STATE_ROBOT, robot)
+            self.client.publish(BASE_ENABLE, Enable(self.enabled))
 
     @property
     def status(self) -> BaseStatus | None:

@@ -11,7 +11,7 @@ from services.cli.certify import assignments
 from services.controller.parameters import ControllerParameters
 from shared.config import service_parameters
 from tests.conftest import Router, StartProcess
-from tests.services.cli.test_refusals import tandem
+from tests.services.cli.command import tandem
 from tests.support.wait import eventually
 
 CONFIG = """

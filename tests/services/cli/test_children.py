@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from services.cli.children import Child, Children
+from tests.services.cli.command import exists
 from tests.support.ports import free_endpoint
 from tests.support.processes import ROOT
 from tests.support.wait import eventually
@@ -23,14 +24,6 @@ child = Child("router", ["--listen", sys.argv[1]])
 print(child.pid, flush=True)
 threading.Event().wait()
 """
-
-
-def exists(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return "State:\tZ" not in Path(f"/proc/{pid}/status").read_text()
 
 
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM])

@@ -5,15 +5,13 @@ from __future__ import annotations
 import os
 import re
 import signal
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from services.cli.plan import SERVICES
-from tests.services.cli.test_children import exists
-from tests.services.cli.test_refusals import tandem
+from tests.services.cli.command import exists, pids, tandem
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process
 from tests.support.wait import eventually
@@ -21,15 +19,6 @@ from tests.support.wait import eventually
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
 PATIENCE = 60.0  # [s]
 ALL = (*SERVICES, "base")
-
-
-def pids(endpoint: str) -> dict[str, int]:
-    """The stack's processes by service, found by their endpoint."""
-    listed = subprocess.run(
-        ["ps", "-eww", "-o", "pid=", "-o", "args="], capture_output=True, text=True, check=True
-    ).stdout
-    found = re.findall(rf"^\s*(\d+) \S+ -m services\.(\w+) .*{re.escape(endpoint)}", listed, re.MULTILINE)
-    return {name: int(pid) for pid, name in found if name != "cli"}
 
 
 @pytest.fixture(scope="module")

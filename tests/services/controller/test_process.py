@@ -2,34 +2,16 @@
 
 from __future__ import annotations
 
-import json
-import math
-import secrets
-import signal
-import threading
-import time
 from collections.abc import Callable, Iterator
 
-import msgpack
 import numpy as np
 import pytest
 
 from shared.bus_zenoh import ZenohBus
 from shared.client import Client
 from shared.clock import SteadyClock
-from shared.codec import encode
-from shared.inlet import Received
-from shared.messages import (
-    ControlStatus,
-    ControlTarget,
-    EndEffector,
-    ExternalWrench,
-    Header,
-    Stop,
-    TwistCommand,
-)
+from shared.messages import ControlStatus, ControlTarget, EndEffector, ExternalWrench, Stop
 from shared.parameters import Refused
-from shared.records import Record
 from shared.topics import (
     COMMAND_EE_TWIST,
     CONTROL_PARAMETERS,
@@ -38,76 +20,33 @@ from shared.topics import (
     STATE_EE,
     STOP,
     WRENCH_EXTERNAL,
-    Topic,
-    health_topic,
 )
 from tests.conftest import Router, StartProcess
 from tests.support.processes import Process
+from tests.support.stand_in import PERIOD, SPOILT_WRENCHES, StandIn, changed, silently
 from tests.support.wait import eventually, throughout
 
-PERIOD = 0.01
 ERROR = (0.2, 0.2, 0.2, 0.02, 0.02, 0.02)
-Spoil = Callable[[bytes], bytes | None]
 
 
-def faithfully(payload: bytes) -> bytes:
-    return payload
-
-
-def silently(payload: bytes) -> None:
-    return None
-
-
-def changed(**fields: object) -> Spoil:
-    """Replaces fields of a map."""
-    return lambda payload: msgpack.packb({**msgpack.unpackb(payload), **fields})
-
-
-class Surroundings:
-    """Robot, wrench service and task in one: publishes from a thread of its own, collects what the controller says."""
+class Surroundings(StandIn):
+    """Robot, wrench service and task in one; collects what the controller says."""
 
     def __init__(self, endpoint: str) -> None:
-        self.bus = ZenohBus(connect=endpoint)
-        self.client = Client(self.bus)
+        super().__init__(endpoint, "controller")
         self.wrench = np.zeros(6)
         self.valid = True
         self.fault = ""
-        self.spoil: dict[str, Spoil] = {}
         self.target = ControlTarget((0.9, 0.0, 1.0), (0, 0, 0, 1), (10.0,) * 3, (3.0,) * 3)
-        self.commands: list[Received[TwistCommand]] = []
-        self.statuses: list[Received[ControlStatus]] = []
-        self.client.watch(COMMAND_EE_TWIST, self.commands.append)
-        self.client.watch(CONTROL_STATUS, self.statuses.append)
-        self.health = self.client.watch(health_topic("controller"))
-        self._session = secrets.randbits(60)
-        self._sequences: dict[str, int] = {}
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._publish)
-        self._thread.start()
+        self.commands = self.hear(COMMAND_EE_TWIST)
+        self.statuses = self.hear(CONTROL_STATUS)
 
-    def _publish(self) -> None:
-        due, tick = time.monotonic(), 0
-        while not self._ended.wait(max(0.0, due - time.monotonic())):
-            due += PERIOD
-            self._send(STATE_EE, EndEffector((0.5, 0.0, 1.0), (0, 0, 0, 1), np.zeros(3), np.zeros(3)))
-            wrench = ExternalWrench(self.wrench[:3], self.wrench[3:], ERROR, "tare", self.fault)
-            self._send(WRENCH_EXTERNAL, wrench, self.valid)
-            if tick % 10 == 0:
-                self._send(CONTROL_TARGET, self.target)
-            tick += 1
-
-    def _send(self, topic: Topic, message: Record, valid: bool = True) -> None:
-        sequence = self._sequences.get(topic.key, 0)
-        self._sequences[topic.key] = sequence + 1
-        payload = encode(message, Header(sequence, self._session, SteadyClock().now_ns(), valid))
-        spoilt = self.spoil.get(topic.key, faithfully)(payload)
-        if spoilt is not None:
-            self.bus.publish(topic.key, spoilt)
-
-    def close(self) -> None:
-        self._ended.set()
-        self._thread.join()
-        self.bus.close()
+    def turn(self, number: int) -> None:
+        self.client.publish(STATE_EE, EndEffector((0.5, 0.0, 1.0), (0, 0, 0, 1), np.zeros(3), np.zeros(3)))
+        wrench = ExternalWrench(self.wrench[:3], self.wrench[3:], ERROR, "tare", self.fault)
+        self.client.publish(WRENCH_EXTERNAL, wrench, self.valid)
+        if number % 10 == 0:
+            self.client.publish(CONTROL_TARGET, self.target)
 
     @property
     def status(self) -> ControlStatus | None:
@@ -133,9 +72,8 @@ class Surroundings:
 
 @pytest.fixture
 def around(shared_router: Router) -> Iterator[Surroundings]:
-    surroundings = Surroundings(shared_router.endpoint)
-    yield surroundings
-    surroundings.close()
+    with Surroundings(shared_router.endpoint) as surroundings:
+        yield surroundings
 
 
 @pytest.fixture
@@ -150,9 +88,7 @@ FORGIVING = ("--set", "delay=0.1", "--set", "period=0.1")
 def test_healthy(around: Surroundings, controller: Process) -> None:
     eventually(around.moving, 20.0, "a command towards the target")
     assert any(not r.message.linear.any() for r in around.commands), "it began with zero"
-    eventually(
-        lambda: around.health.latest and around.health.latest.message.state == "ok", message="health ok"
-    )
+    eventually(around.ok, message="health ok")
     assert "controller" in around.bus.living()
     assert around.status.law == "certified" and around.status.solve_us > 0.0
     around.commands.clear()
@@ -190,29 +126,18 @@ def test_failed_sensor_latches_until_resumed(around: Surroundings, controller: P
     eventually(around.moving, message="it moves again")
 
 
-SPOILT: dict[str, Spoil] = {
-    "NaN": changed(force=[math.nan, 0.0, 0.0]),
-    "infinity": changed(error_bound=[math.inf] * 6),
-    "text": changed(torque="much"),
-    "too short": changed(force=[1.0]),
-    "no header": changed(seq=None),
-    "garbage": lambda payload: bytes(reversed(payload)),
-    "empty": lambda payload: b"",
-    "megabyte": lambda payload: payload + bytes(1_000_000),
-}
-
-
 def test_spoilt_wrenches_brake_and_crash_nothing(around: Surroundings, controller: Process) -> None:
     eventually(around.moving, 20.0)
-    for name, spoil in SPOILT.items():
+    for name, spoil in SPOILT_WRENCHES.items():
         around.spoil[WRENCH_EXTERNAL.key] = spoil
         eventually(around.braking("wrench/external"), message=f"braking for {name}")
         around.spoil.clear()
         eventually(around.moving, message=f"recovery from {name}")
     twists = np.array([np.concatenate((r.message.linear, r.message.angular)) for r in around.commands])
     assert np.isfinite(twists).all() and np.linalg.norm(twists[:, :3], axis=1).max() <= 0.25 + 1e-9
-    counted = lambda: around.health.latest.message.inputs[WRENCH_EXTERNAL.key].rejected >= len(SPOILT)  # noqa: E731
-    eventually(counted, message="rejections are counted")
+    eventually(
+        lambda: around.refused(WRENCH_EXTERNAL.key) >= len(SPOILT_WRENCHES), message="rejections are counted"
+    )
     assert controller.running
 
 
@@ -259,10 +184,7 @@ def test_parameters_over_the_router(around: Surroundings, controller: Process) -
 
 def test_ends_on_sigterm_with_a_last_zero(around: Surroundings, controller: Process) -> None:
     eventually(around.moving, 20.0)
-    before = time.monotonic()
-    controller.signal(signal.SIGTERM)
-    assert controller.wait() == 0
-    assert time.monotonic() - before < 2.0
+    controller.ends_in_time()
     eventually(lambda: not around.commands[-1].message.linear.any(), message="a last zero")
 
 
@@ -270,8 +192,7 @@ def test_killed_and_started_again_it_begins_from_rest(
     around: Surroundings, controller: Process, shared_router: Router, start: StartProcess
 ) -> None:
     eventually(around.moving, 20.0)
-    controller.signal(signal.SIGKILL)
-    controller.wait()
+    controller.kill()
     around.commands.clear()
     start("services.controller", "--connect", shared_router.endpoint, *FORGIVING)
     eventually(around.moving, 20.0, "the second process moves")
@@ -292,8 +213,4 @@ BAD = {
 
 @pytest.mark.parametrize("assignment", BAD)
 def test_bad_configuration_is_one_line_with_status_2(start: StartProcess, assignment: str) -> None:
-    process = start("services.controller", "--set", assignment)
-    assert process.wait() == 2
-    (line,) = process.output.splitlines()
-    for part in BAD[assignment]:
-        assert part in line, json.dumps(line)
+    start("services.controller", "--set", assignment).refuses(*BAD[assignment])

@@ -11,7 +11,7 @@ from services.sim.simulator import Simulator
 from shared import topics
 from shared.clock import nanoseconds
 from shared.inlet import Received
-from shared.messages import TwistCommand
+from shared.messages import BaseTwistCommand, GripperCommand, TwistCommand
 from shared.stack import Stack
 from shared.topics import Topic
 
@@ -49,6 +49,20 @@ class Rig:
         while self.stack.now < end - 1e-9:
             self.stack.client.publish(topics.COMMAND_EE_TWIST, TwistCommand(linear, angular, 0.02))
             self.stack.scheduler.run_until(self.stack.scheduler.clock.now_ns() + nanoseconds(0.01))
+
+    def drive(self, velocity: tuple[float, float, float], duration: float) -> None:
+        """Command a velocity of the base at 100 Hz."""
+        for _ in range(round(duration / 0.01)):
+            self.stack.client.publish(topics.COMMAND_BASE_TWIST, BaseTwistCommand(velocity, 0.1))
+            self.stack.scheduler.run_until(self.stack.scheduler.clock.now_ns() + nanoseconds(0.01))
+
+    def grasp(self) -> None:
+        """Open, drive the fingers over the panel's edge, and close."""
+        self.stack.client.publish(topics.COMMAND_GRIPPER, GripperCommand(0.09, 16.0))
+        self.run(1.2)
+        self.move((0.05, 0, 0), 1.8)
+        self.stack.client.publish(topics.COMMAND_GRIPPER, GripperCommand(0.0, 16.0))
+        self.run(2.0)
 
     @property
     def height(self) -> float:

@@ -8,19 +8,11 @@ import numpy as np
 import pytest
 
 from shared import topics
-from shared.clock import nanoseconds
 from shared.messages import BaseTwistCommand, Stop
 from shared.spatial import rotation_matrix
 from tests.services.sim.rig import Rig
 
 QUIET = {"ft_noise": [0.0] * 6}
-
-
-def drive(rig: Rig, velocity: tuple[float, float, float], duration: float) -> None:
-    """Command a velocity at 100 Hz."""
-    for _ in range(round(duration / 0.01)):
-        rig.stack.client.publish(topics.COMMAND_BASE_TWIST, BaseTwistCommand(velocity, 0.1))
-        rig.stack.scheduler.run_until(rig.stack.scheduler.clock.now_ns() + nanoseconds(0.01))
 
 
 def gripper_force(rig: Rig) -> np.ndarray:
@@ -30,7 +22,7 @@ def gripper_force(rig: Rig) -> np.ndarray:
 
 def test_a_differential_base_drives_forwards_and_stops_when_nobody_commands() -> None:
     rig = Rig()
-    drive(rig, (0.3, 0.2, 0.0), 2.0)
+    rig.drive((0.3, 0.2, 0.0), 2.0)
     base = rig.last(topics.STATE_BASE)
     assert base.velocity == pytest.approx((0.3, 0.0, 0.0))
     assert "base commands clamped" in rig.last(topics.STATE_ROBOT).reason
@@ -45,7 +37,7 @@ def test_a_differential_base_drives_forwards_and_stops_when_nobody_commands() ->
 
 def test_a_differential_base_describes_a_circle() -> None:
     rig = Rig()
-    drive(rig, (0.2, 0.0, 0.5), 4.0)
+    rig.drive((0.2, 0.0, 0.5), 4.0)
     base = rig.last(topics.STATE_BASE)
     # Speeding up keeps the ratio of the two, so it is a circle of 0.4 m from the start on.
     radius = 0.2 / 0.5
@@ -58,25 +50,25 @@ def test_an_omnidirectional_base_goes_any_way_while_it_turns() -> None:
     rig = Rig(base_type="omni")
     status = rig.last(topics.STATE_ROBOT)
     assert (status.base_type, *status.max_base) == ("omni", 1.0, 1.0, pytest.approx(math.radians(80)))
-    drive(rig, (0.1, -0.2, 0.0), 2.0)
+    rig.drive((0.1, -0.2, 0.0), 2.0)
     base = rig.last(topics.STATE_BASE)
     assert base.position[1] / base.position[0] == pytest.approx(-2.0)
-    drive(rig, (0.0, 0.0, 1.0), 5.0)
+    rig.drive((0.0, 0.0, 1.0), 5.0)
     assert -math.pi < rig.last(topics.STATE_BASE).yaw <= math.pi
 
 
 def test_a_stop_ends_its_motion() -> None:
     rig = Rig()
-    drive(rig, (0.3, 0.0, 0.0), 1.0)
+    rig.drive((0.3, 0.0, 0.0), 1.0)
     rig.stack.client.publish(topics.STOP, Stop(True, "hand on the button"))
-    drive(rig, (0.3, 0.0, 0.0), 0.4)
+    rig.drive((0.3, 0.0, 0.0), 0.4)
     assert rig.last(topics.STATE_BASE).velocity == pytest.approx((0, 0, 0))
 
 
 def test_what_is_told_in_base_stays_the_same_while_base_moves_and_turns() -> None:
     rig = Rig(**QUIET)
     before = rig.last(topics.STATE_EE)
-    drive(rig, (0.2, 0.0, 0.4), 3.0)
+    rig.drive((0.2, 0.0, 0.4), 3.0)
     after = rig.last(topics.STATE_EE)
     assert after.position == pytest.approx(before.position, abs=1e-3)
     assert after.orientation == pytest.approx(before.orientation, abs=1e-3)
@@ -96,22 +88,22 @@ def test_the_wrist_feels_the_base_speed_up_and_turn() -> None:
     still = gripper_force(rig)
     mass = -still[2] / 9.81
     assert mass == pytest.approx(0.8226, abs=0.01)
-    drive(rig, (0.9, 0.0, 0.0), 0.5)
+    rig.drive((0.9, 0.0, 0.0), 0.5)
     # 1 m/s2 forwards: the gripper stays behind.
     assert gripper_force(rig) - still == pytest.approx((-mass, 0.0, 0.0), abs=0.1)
-    drive(rig, (0.0, 0.0, 1.0), 2.5)
+    rig.drive((0.0, 0.0, 1.0), 2.5)
     # The gripper's centre of mass is 6 cm behind the tool, on a circle around base.
     outwards = mass * 1.0**2 * np.array((0.4365, -0.3, 0.0))
     assert gripper_force(rig) - still == pytest.approx(outwards, abs=0.05)
-    drive(rig, (0.0, 0.0, 0.0), 1.5)
+    rig.drive((0.0, 0.0, 0.0), 1.5)
     assert gripper_force(rig) == pytest.approx(still, abs=0.05)
 
 
 def test_the_world_stays_where_it_was_at_the_start() -> None:
     rig = Rig(base_type="omni")
-    drive(rig, (0.0, 0.0, 0.8), 2.5)
+    rig.drive((0.0, 0.0, 0.8), 2.5)
     yaw = rig.last(topics.STATE_BASE).yaw
-    drive(rig, (0.0, 0.0, 0.0), 1.0)
+    rig.drive((0.0, 0.0, 0.0), 1.0)
     yaw = rig.last(topics.STATE_BASE).yaw
     rig.ask(command="push", force=[5.0, 0.0, 0.0], duration=1.0)
     rig.run(0.2)
@@ -123,16 +115,16 @@ def test_a_bag_swings_back_when_the_base_drives_off_and_pulls_down_again_afterwa
     rig = Rig(base_type="omni")
     rig.ask(command="load", mass=1.0)
     rig.run(1.0)
-    drive(rig, (0.0, 0.5, 0.0), 0.5)
+    rig.drive((0.0, 0.5, 0.0), 0.5)
     assert rig.last(topics.SIM_WORLD).contact_force[1] < -0.4
-    drive(rig, (0.0, 0.0, 0.0), 25.0)
+    rig.drive((0.0, 0.0, 0.0), 25.0)
     assert rig.last(topics.SIM_WORLD).contact_force == pytest.approx((0, 0, -9.81), abs=0.3)
     assert rig.last(topics.STATE_BASE).position[1] > 0.2
 
 
 def test_reset_takes_the_base_back_to_the_start() -> None:
     rig = Rig()
-    drive(rig, (0.3, 0.0, 0.3), 1.0)
+    rig.drive((0.3, 0.0, 0.3), 1.0)
     rig.run(1.0)
     rig.ask(command="reset")
     rig.run(0.1)

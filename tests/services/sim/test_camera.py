@@ -24,7 +24,6 @@ from shared.parameters import Refused
 from shared.spatial import quaternion, rotation_from_vector, rotation_matrix
 from shared.stack import Stack
 from tests.services.sim.rig import Rig
-from tests.services.sim.test_base import drive
 
 SIGHT = SimParameters().sight()
 
@@ -252,7 +251,7 @@ def test_in_the_dark_there_is_nothing_to_see() -> None:
 
 def test_the_base_moves_and_the_marker_is_still_where_the_message_says() -> None:
     rig = Watched(base_type="omni")
-    drive(rig, (-0.05, 0.0, -0.1), 1.0)
+    rig.drive((-0.05, 0.0, -0.1), 1.0)
     rig.run(1.0)
     corners, picture = rig.seen(), rig.picture
     assert error_of(picture, corners) < 1.0

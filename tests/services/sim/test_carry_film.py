@@ -19,7 +19,6 @@ from shared import topics
 from shared.messages import HeadCommand
 from tests.services.sim.carries import ROWS, SECONDS, START, carry, saved
 from tests.services.sim.rig import Rig
-from tests.services.sim.test_base import drive
 
 SIZE = (480, 270)
 
@@ -104,7 +103,7 @@ def test_the_marker_is_seen_until_it_is_covered(run: CarryRun, scene: CarryScene
 
 def test_the_head_camera_s_view_is_the_one_of_the_simulation() -> None:
     rig = Rig(scene="carry", base_type="omni")
-    drive(rig, (-0.05, 0.1, -0.1), 1.0)
+    rig.drive((-0.05, 0.1, -0.1), 1.0)
     rig.stack.client.publish(topics.COMMAND_HEAD, HeadCommand(-0.2, -0.5))
     rig.run(2.0)
     joints, base = rig.last(topics.STATE_JOINTS), rig.last(topics.STATE_BASE)

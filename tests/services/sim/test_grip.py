@@ -15,8 +15,7 @@ from shared.constants import GRAVITY
 from shared.messages import GripperCommand, Stop
 from shared.spatial import rotation_from_vector, rotation_matrix
 from tests.services.sim.rig import Rig
-from tests.services.sim.test_base import drive
-from tests.services.sim.test_statics import statics
+from tests.services.sim.statics import statics
 
 STEP = 0.002
 EDGE = np.array((0.57, -0.39, 0.78))
@@ -236,17 +235,8 @@ def rig() -> Rig:
     return Rig(scene="carry", ft_noise=[0.0] * 6, panel_mass=0.4)
 
 
-def grasp(rig: Rig) -> None:
-    """Open, drive the fingers over the edge, and close."""
-    rig.stack.client.publish(topics.COMMAND_GRIPPER, GripperCommand(0.09, 16.0))
-    rig.run(1.2)
-    rig.move((0.05, 0, 0), 1.8)
-    rig.stack.client.publish(topics.COMMAND_GRIPPER, GripperCommand(0.0, 16.0))
-    rig.run(2.0)
-
-
 def test_the_wrist_reads_the_panel_that_is_carried_at_one_end(rig: Rig) -> None:
-    grasp(rig)
+    rig.grasp()
     state = rig.last(topics.STATE_GRIPPER)
     assert state.holding and state.effort == pytest.approx(16.0, abs=0.1)
     rig.move((0, 0, 0.08), 2.0)
@@ -288,9 +278,9 @@ def test_a_stop_holds_the_fingers(rig: Rig) -> None:
 
 
 def test_the_panel_moves_with_tool_and_base(rig: Rig) -> None:
-    grasp(rig)
+    rig.grasp()
     rig.move((0, 0, 0.08), 2.0)
-    drive(rig, (0.2, 0.0, 0.2), 2.0)
+    rig.drive((0.2, 0.0, 0.2), 2.0)
     rig.run(2.0)
     world, tool, base = (
         rig.last(topics.SIM_WORLD),

@@ -19,8 +19,7 @@ from shared.constants import GRAVITY
 from shared.parameters import Refused
 from shared.spatial import rotation_from_vector
 from tests.services.sim.rig import Rig
-from tests.services.sim.test_grip import grasp
-from tests.services.sim.test_statics import statics
+from tests.services.sim.statics import statics
 
 STEP = 0.002
 SPEC = PanelSpec((1.2, 0.6, 0.05), 1.5, 0.6, 4000.0, (0.57, -0.39, 0.78))
@@ -205,7 +204,7 @@ def test_the_world_shows_his_hands_once_he_is_asked() -> None:
 
 def test_held_at_both_ends_the_wrist_carries_what_statics_say() -> None:
     rig = Rig(scene="carry", ft_noise=[0.0] * 6)
-    grasp(rig)
+    rig.grasp()
     rig.ask(command="hand", script='[[phase]]\ndo = "lift"\nheight = 0.15\nspeed = 0.1')
     for _ in range(30):
         rig.move((0, 0, 0.05), 0.1)

@@ -80,8 +80,7 @@ class Robot:
 
     def last(self, topic: Topic) -> Any:
         """The newest message of a topic, None before the first."""
-        received = self.received[topic.key]
-        return received[-1].message if received else None
+        return next((received.message for received in self.received[topic.key][-1:]), None)
 
     @property
     def state(self) -> str:
@@ -119,6 +118,11 @@ class Robot:
             messages.append((SENSOR_CAMERA, self._sent, self.valid))
         return [item for item in messages if item[0].key not in self.muted]
 
+    def show(self, marker: Pose) -> None:
+        """Move the marker. Its picture is made in this thread: the one that publishes would be silent for too long."""
+        self._picture(marker, self.number)
+        self.shown = marker
+
     def person(self) -> None:
         """Do what the task waits for: lift, turn by 90 degrees, lower."""
         toy = self.toy
@@ -154,7 +158,9 @@ class Robot:
         return replace(image, data=image.data[:2] + comment + image.data[2:])
 
     def _image(self) -> CameraImage:
-        shown, number = self.shown, self.number  # another thread may change them while this one renders
+        return self._picture(self.shown, self.number)
+
+    def _picture(self, shown: Pose | None, number: int) -> CameraImage:
         key = (None if shown is None else tuple(shown.position), number)
         if key not in self._images:
             prints = []

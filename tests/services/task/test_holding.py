@@ -11,7 +11,7 @@ from services.task.states import State
 from services.task.target import LEEWAY
 from shared.messages import GripperState
 from shared.parameters import Refused
-from tests.services.task.test_machine import Play
+from tests.services.task.play import Play
 from tests.services.task.toy import START
 
 EMPTY = GripperState(0.0, 0.0, False)

@@ -11,7 +11,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 from services.task.faults import FAULTS, Kind, Present
 from services.task.states import Decision, State
 from shared.parameters import Refused
-from tests.services.task.test_machine import DT, ORDER, Play
+from tests.services.task.play import DT, ORDER, Play
 from tests.services.task.toy import MARKER
 
 MOVED = 1e-6  # [m], [rad]

@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-import secrets
-import signal
-import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -15,56 +10,32 @@ import msgpack
 import numpy as np
 import pytest
 
-from shared.bus_zenoh import ZenohBus
-from shared.client import Client
 from shared.clock import SteadyClock
-from shared.codec import encode
 from shared.inlet import Received
-from shared.messages import ExternalWrench, Header
+from shared.messages import ExternalWrench
 from shared.parameters import Refused
-from shared.topics import SENSOR_FT, WRENCH_EXTERNAL, WRENCH_TARE, health_topic
+from shared.topics import SENSOR_FT, WRENCH_EXTERNAL, WRENCH_TARE
 from tests.conftest import Router, StartProcess
 from tests.services.wrench.sensor import LEVEL, Sensor
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process
+from tests.support.stand_in import Spoil, StandIn, changed, silently
 from tests.support.wait import eventually, throughout
 
-PERIOD = 0.01
 
-
-class Robot:
-    """Publishes made-up samples from a thread of its own, and collects what the wrench service makes of them."""
+class Robot(StandIn):
+    """Publishes made-up samples, and collects what the wrench service makes of them."""
 
     def __init__(self, endpoint: str) -> None:
-        self.bus = ZenohBus(connect=endpoint)
-        self.client = Client(self.bus)
+        super().__init__(endpoint, "wrench")
         self.sensor = Sensor()
         self.external = np.zeros(6)
         self.saturated = False
-        self.spoil: Callable[[bytes], bytes | None] = lambda payload: payload
-        self.session = secrets.randbits(60)
-        self.sequence = 0
         self.received: list[Received[ExternalWrench]] = []
         self.inlet = self.client.watch(WRENCH_EXTERNAL, self.received.append)
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._publish)
-        self._thread.start()
 
-    def _publish(self) -> None:
-        due = time.monotonic()
-        while not self._ended.wait(max(0.0, due - time.monotonic())):
-            due += PERIOD
-            sample = self.sensor.sample(LEVEL, self.external, self.saturated)
-            header = Header(self.sequence, self.session, SteadyClock().now_ns(), True)
-            self.sequence += 1
-            payload = self.spoil(encode(sample, header))
-            if payload is not None:
-                self.bus.publish(SENSOR_FT.key, payload)
-
-    def close(self) -> None:
-        self._ended.set()
-        self._thread.join()
-        self.bus.close()
+    def turn(self, number: int) -> None:
+        self.client.publish(SENSOR_FT, self.sensor.sample(LEVEL, self.external, self.saturated))
 
     @property
     def last(self) -> Received[ExternalWrench] | None:
@@ -87,9 +58,8 @@ class Robot:
 
 @pytest.fixture
 def robot(shared_router: Router) -> Iterator[Robot]:
-    robot = Robot(shared_router.endpoint)
-    yield robot
-    robot.close()
+    with Robot(shared_router.endpoint) as robot:
+        yield robot
 
 
 @pytest.fixture
@@ -120,12 +90,7 @@ def tared(robot: Robot) -> dict:
     return eventually(attempt, 60.0, "a tare")
 
 
-def changed(**fields: object) -> Callable[[bytes], bytes]:
-    """Replaces fields of a map."""
-    return lambda payload: msgpack.packb({**msgpack.unpackb(payload), **fields})
-
-
-def without(field: str) -> Callable[[bytes], bytes]:
+def without(field: str) -> Spoil:
     def remove(payload: bytes) -> bytes:
         content = msgpack.unpackb(payload)
         del content[field]
@@ -135,13 +100,12 @@ def without(field: str) -> Callable[[bytes], bytes]:
 
 
 def test_one_valid_wrench_per_sample_and_an_honest_health(robot: Robot, wrench: Process) -> None:
-    health = robot.client.watch(health_topic("wrench"))
     eventually(robot.healthy, 20.0, "a valid wrench")
-    eventually(lambda: health.latest is not None and health.latest.message.state == "ok", message="health ok")
+    eventually(robot.ok, message="health ok")
     robot.received.clear()
-    first = robot.sequence
+    first = robot.turns
     eventually(lambda: len(robot.received) >= 100, message="a hundred wrenches")
-    assert robot.sequence - first >= len(robot.received) - 2
+    assert robot.turns - first >= len(robot.received) - 2
     assert "wrench" in robot.bus.living()
     wanted = robot.sensor.exact(LEVEL)[:3]
     errors = np.array([r.message.force - wanted for r in robot.received])
@@ -164,13 +128,13 @@ def test_tare_over_the_router(robot: Robot, wrench: Process) -> None:
 
 def test_silence(robot: Robot, wrench: Process) -> None:
     eventually(robot.healthy, 20.0, "a valid wrench")
-    robot.spoil = lambda payload: None
+    robot.spoil[SENSOR_FT.key] = silently
     eventually(robot.faulty("silent"), message="fault silent")
     robot.received.clear()
     eventually(lambda: len(robot.received) >= 10, message="it goes on saying so")
     gaps = np.diff([r.arrival_ns for r in robot.received]) * 1e-9
     assert np.median(gaps) == pytest.approx(0.05, rel=0.3)
-    robot.spoil = lambda payload: payload
+    robot.spoil.clear()
     eventually(robot.healthy, message="recovery")
 
 
@@ -192,33 +156,29 @@ SPOILT = {
 
 
 def test_every_spoilt_sample_is_rejected_and_crashes_nothing(robot: Robot, wrench: Process) -> None:
-    health = robot.client.watch(health_topic("wrench"))
     eventually(robot.healthy, 20.0, "a valid wrench")
     for name, spoil in SPOILT.items():
-        robot.spoil = spoil
+        robot.spoil[SENSOR_FT.key] = spoil
         # A hundred megabytes per second may get no further than the network's queues.
         words = ("invalid", "silent") if name == "megabyte" else ("invalid",)
         eventually(
             lambda words=words: any(robot.faulty(word)() for word in words),
             message=f"a sensor that sends {name} is {' or '.join(words)}",
         )
-        robot.spoil = lambda payload: payload
+        robot.spoil.clear()
         eventually(robot.healthy, message=f"recovery from {name}")
     values = np.array([np.concatenate((r.message.force, r.message.torque)) for r in robot.received])
     assert np.all(np.isfinite(values)) and np.abs(values).max() < 50.0
-    eventually(
-        lambda: health.latest and health.latest.message.inputs["sensor/ft"].rejected >= len(SPOILT),
-        message="rejections are counted",
-    )
+    eventually(lambda: robot.refused(SENSOR_FT.key) >= len(SPOILT), message="rejections are counted")
     assert wrench.running
 
 
 def test_stuck_axis(robot: Robot, wrench: Process) -> None:
     eventually(robot.healthy, 20.0, "a valid wrench")
     frozen = robot.sensor.sample().force.tolist()
-    robot.spoil = changed(force=frozen)
+    robot.spoil[SENSOR_FT.key] = changed(force=frozen)
     eventually(robot.faulty("stuck"), message="fault stuck")
-    robot.spoil = lambda payload: payload
+    robot.spoil.clear()
     eventually(robot.healthy, message="recovery")
 
 
@@ -231,25 +191,20 @@ def test_saturation(robot: Robot, wrench: Process) -> None:
 
 
 def test_old_and_repeated_samples_are_dropped_and_counted(robot: Robot, wrench: Process) -> None:
-    health = robot.client.watch(health_topic("wrench"))
     eventually(robot.healthy, 20.0, "a valid wrench")
-    robot.spoil = changed(seq=3)
+    robot.spoil[SENSOR_FT.key] = changed(seq=3)
     eventually(robot.faulty("silent"), message="nothing new came in")
-    robot.spoil = lambda payload: payload
+    robot.spoil.clear()
     eventually(robot.healthy, message="recovery")
-    eventually(
-        lambda: health.latest and health.latest.message.inputs["sensor/ft"].rejected > 0, message="counted"
-    )
+    eventually(lambda: robot.refused(SENSOR_FT.key) > 0, message="counted")
 
 
 def test_second_publisher_is_refused(robot: Robot, wrench: Process, shared_router: Router) -> None:
     eventually(robot.healthy, 20.0, "a valid wrench")
     stranger = Robot(shared_router.endpoint)
     stranger.external = np.array((0.0, 0.0, 500.0, 0.0, 0.0, 0.0))
-    try:
+    with stranger:
         throughout(lambda: abs(robot.last.message.force[2]) < 100.0, 0.5, "the first publisher is used")
-    finally:
-        stranger.close()
 
 
 def test_killed_and_started_again_it_goes_on_with_its_tare(
@@ -260,8 +215,7 @@ def test_killed_and_started_again_it_goes_on_with_its_tare(
     tared(robot)
     bag = np.array((0.0, 0.0, -20.0, 0.0, 0.0, 0.0))
     robot.external = bag
-    first.signal(signal.SIGKILL)
-    first.wait()
+    first.kill()
     robot.received.clear()
     launch(shared_router, start, tmp_path)
     eventually(robot.healthy, 20.0, "a valid wrench of the second process")
@@ -276,19 +230,13 @@ def test_waits_for_a_router_that_starts_later(start: StartProcess, tmp_path: Pat
     process = start("services.wrench", "--connect", endpoint, environment={"XDG_STATE_HOME": str(tmp_path)})
     process.wait_for_output("waiting for a Zenoh router")
     start("services.router", "--listen", endpoint).wait_for_output("listening")
-    robot = Robot(endpoint)
-    try:
+    with Robot(endpoint) as robot:
         eventually(robot.healthy, 20.0, "a valid wrench")
-    finally:
-        robot.close()
 
 
 def test_ends_on_sigterm_within_two_seconds(robot: Robot, wrench: Process) -> None:
     eventually(robot.healthy, 20.0, "a valid wrench")
-    before = time.monotonic()
-    wrench.signal(signal.SIGTERM)
-    assert wrench.wait() == 0
-    assert time.monotonic() - before < 2.0
+    wrench.ends_in_time()
 
 
 BAD = {
@@ -303,8 +251,4 @@ BAD = {
 
 @pytest.mark.parametrize("assignment", BAD)
 def test_bad_configuration_is_one_line_with_status_2(start: StartProcess, assignment: str) -> None:
-    process = start("services.wrench", "--set", assignment)
-    assert process.wait() == 2
-    (line,) = process.output.splitlines()
-    for part in BAD[assignment]:
-        assert part in line, json.dumps(line)
+    start("services.wrench", "--set", assignment).refuses(*BAD[assignment])

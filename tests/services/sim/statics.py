@@ -1,0 +1,31 @@
+"""What the wrist sensor has to read, worked out from the URDF's masses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from services.sim.kinematics import CHAIN, SENSOR_FRAME, TOOL_FRAME, full_model, home, joint_names
+from shared.constants import GRAVITY
+
+
+def statics(position: np.ndarray, force: np.ndarray, torque: np.ndarray) -> np.ndarray:
+    """Wrench (6,) on the sensor in its axes: weight of everything beyond it, plus a force and torque at the tool."""
+    model = full_model()
+    data = model.createData()
+    q = home(model)
+    for name, value in zip(CHAIN, position, strict=True):
+        q[joint_names(model).index(name)] = value
+    pin.framesForwardKinematics(model, data, q)
+    sensor, tool = (data.oMf[model.getFrameId(name)] for name in (SENSOR_FRAME, TOOL_FRAME))
+    forces = [(force, tool.translation)]
+    for name, centre, mass in (
+        ("gripper_right_link", (-0.000294, 0.000291, -0.033086), 0.60266),
+        ("gripper_right_left_finger_link", (-0.00447, 0.010766, -0.121013), 0.10998),
+        ("gripper_right_right_finger_link", (0.00447, -0.010766, -0.121013), 0.10998),
+    ):
+        pose = data.oMf[model.getFrameId(name)]
+        forces.append((np.array((0, 0, -mass * GRAVITY)), pose.act(np.array(centre))))
+    total = sum(f for f, _ in forces)
+    about = torque + sum(np.cross(point - sensor.translation, f) for f, point in forces)
+    return np.concatenate((sensor.rotation.T @ total, sensor.rotation.T @ about))
