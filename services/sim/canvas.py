@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -31,6 +32,8 @@ class Canvas:
 
     def __init__(self, light: Sequence[float], ambient: float, diffuse: float, specular: float) -> None:
         self._client = pybullet.connect(pybullet.DIRECT)
+        # The engine's memory is not Python's: nobody gives it back for a canvas that is no more.
+        self._release = weakref.finalize(self, pybullet.disconnect, self._client)
         self.on = {"physicsClientId": self._client}
         self._light = {
             "lightDirection": light,
@@ -99,7 +102,7 @@ class Canvas:
 
     def close(self) -> None:
         """Release it."""
-        pybullet.disconnect(self._client)
+        self._release()
 
 
 def pixel(point: Sequence[float] | Array, view: Matrix, projection: Matrix, size: tuple[int, int]) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+import weakref
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,8 @@ class Physics:
         self._moving_limit: list[float] = effort.tolist()
         self._holding_limit: list[float] = (effort + FRICTION).tolist()
         self._client = pybullet.connect(pybullet.DIRECT)
+        # The engine's memory is not Python's: nobody gives it back for a simulation that is no more.
+        self._release = weakref.finalize(self, pybullet.disconnect, self._client)
         self._on = {"physicsClientId": self._client}
         pybullet.setGravity(0, 0, -GRAVITY, **self._on)
         pybullet.setPhysicsEngineParameter(
@@ -178,4 +181,4 @@ class Physics:
 
     def close(self) -> None:
         """Release the physics world."""
-        pybullet.disconnect(self._client)
+        self._release()
