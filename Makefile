@@ -54,8 +54,13 @@ $(BENCH_READY): $(READY) $(REQUIREMENTS)/bench.txt
 demo: $(READY) ## robot and person carry a panel, with real processes, in real time
 	@$(BIN)/tandem run carry
 
-test: $(READY) ## every test
+test: $(READY) ## every test, or those that PYTEST_ARGS names
+ifdef PYTEST_ARGS
 	@$(BIN)/python -m pytest $(PYTEST_ARGS)
+else
+	@$(BIN)/python -m pytest -m "not processes" --numprocesses auto --maxprocesses 4 --dist loadscope
+	@$(BIN)/python -m pytest -m processes
+endif
 
 lint: $(READY) ## style, layers and types
 	@$(BIN)/ruff check .

@@ -14,6 +14,8 @@ from tests.conftest import Router, _processes
 from tests.contract.robot import NAME, PATIENCE, ZERO, Commander, Robot, RobotProcess, launch
 from tests.support.wait import eventually
 
+pytestmark = pytest.mark.processes
+
 SPEED, TURN = 0.05, 0.2
 WEIGHT = np.array((0.0, 0.0, -9.81))
 axes = pytest.mark.parametrize("axis", range(3), ids="xyz")

@@ -21,6 +21,8 @@ from shared.topics import (
 from tests.contract.robot import PATIENCE, Heard, Robot
 from tests.support.wait import eventually
 
+pytestmark = pytest.mark.processes
+
 ALWAYS = (SENSOR_FT, STATE_JOINTS, STATE_EE, STATE_BASE, STATE_GRIPPER, STATE_ROBOT)
 topics = pytest.mark.parametrize("topic", ALWAYS, ids=lambda topic: topic.key)
 

@@ -17,6 +17,8 @@ from shared.topics import COMMAND_EE_TWIST, COMMAND_GRIPPER, COMMAND_HEAD, Topic
 from tests.contract.robot import PATIENCE, ZERO, Commander, Robot
 from tests.support.wait import eventually, throughout
 
+pytestmark = pytest.mark.processes
+
 SPEED = 0.05
 
 

@@ -12,6 +12,8 @@ from tests.faults.chain import PATIENCE, Chain, running
 from tests.support.processes import Process
 from tests.support.wait import eventually, throughout
 
+pytestmark = pytest.mark.processes
+
 
 @pytest.fixture
 def robot(chain: Chain) -> Iterator[Process]:

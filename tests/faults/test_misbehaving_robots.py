@@ -10,6 +10,8 @@ from shared.topics import SENSOR_FT
 from tests.faults.chain import PATIENCE, Chain, running
 from tests.support.wait import eventually, throughout
 
+pytestmark = pytest.mark.processes
+
 BRAKES = [
     "silent_robot",
     "silent_tool",

@@ -15,6 +15,8 @@ from tests.conftest import Router, StartProcess
 from tests.support.ports import free_endpoint
 from tests.support.wait import eventually, throughout
 
+pytestmark = pytest.mark.processes
+
 KEY = "command/ee_twist"
 """A key whose messages come again soon, and may be dropped."""
 

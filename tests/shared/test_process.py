@@ -14,6 +14,8 @@ from tests.conftest import Router, StartProcess
 from tests.support.ports import free_endpoint
 from tests.support.wait import eventually
 
+pytestmark = pytest.mark.processes
+
 SIGNALS = pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT], ids=["SIGTERM", "SIGINT"])
 
 

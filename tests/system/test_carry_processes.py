@@ -24,7 +24,7 @@ from tests.support.ports import free_endpoint
 from tests.support.processes import Process
 from tests.support.wait import eventually, throughout
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(400)]
+pytestmark = [pytest.mark.processes, pytest.mark.slow, pytest.mark.timeout(400)]
 PATIENCE = 90.0  # [s]
 
 

@@ -26,6 +26,8 @@ from tests.support.processes import Process
 from tests.support.stand_in import PERIOD, SPOILT_WRENCHES, silently
 from tests.support.wait import eventually, throughout
 
+pytestmark = pytest.mark.processes
+
 PROMISE = 0.12
 """Time [s] from the last sound sample to a braking command."""
 ON_TIME = 0.02

@@ -17,6 +17,8 @@ from tests.support.ports import free_endpoint
 from tests.support.processes import ROOT
 from tests.support.wait import eventually
 
+pytestmark = pytest.mark.processes
+
 STARTER = """
 import sys, threading
 from services.cli.children import Child

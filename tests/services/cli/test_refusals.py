@@ -11,6 +11,8 @@ import pytest
 from tests.services.cli.command import tandem
 from tests.support.ports import free_endpoint
 
+pytestmark = pytest.mark.processes
+
 
 @pytest.mark.parametrize(
     ("arguments", "reason"),

@@ -16,7 +16,7 @@ from tests.support.ports import free_endpoint
 from tests.support.processes import Process
 from tests.support.wait import eventually
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.processes, pytest.mark.slow, pytest.mark.timeout(300)]
 PATIENCE = 60.0  # [s]
 ALL = (*SERVICES, "base")
 

@@ -26,6 +26,8 @@ from tests.support.processes import Process
 from tests.support.stand_in import PERIOD, SPOILT_WRENCHES, StandIn, changed, silently
 from tests.support.wait import eventually, throughout
 
+pytestmark = pytest.mark.processes
+
 ERROR = (0.2, 0.2, 0.2, 0.02, 0.02, 0.02)
 
 

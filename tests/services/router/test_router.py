@@ -12,6 +12,8 @@ from tests.conftest import Router, StartProcess
 from tests.support.ports import free_endpoint, free_port
 from tests.support.wait import eventually
 
+pytestmark = pytest.mark.processes
+
 
 def test_carries_messages_between_two_processes_sessions(router: Router) -> None:
     received: list[bytes] = []

@@ -16,6 +16,8 @@ from tests.conftest import Router, StartProcess
 from tests.support.processes import Process
 from tests.support.wait import eventually
 
+pytestmark = pytest.mark.processes
+
 
 @pytest.fixture
 def client(router: Router) -> Iterator[Client]:

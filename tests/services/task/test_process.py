@@ -30,7 +30,7 @@ from tests.support.ports import free_endpoint
 from tests.support.processes import Process
 from tests.support.wait import eventually, throughout
 
-pytestmark = pytest.mark.timeout(400)
+pytestmark = [pytest.mark.processes, pytest.mark.timeout(400)]
 # A loaded machine holds a process up for longer than a pose may be old. The task then waits and goes on; it gives up
 # for what a test is about, and for nothing else.
 FORGIVING = {"max_delay": 1.0, "marker_max_age": 1.0, "patience": 60.0, "marker_patience": 60.0}

@@ -22,6 +22,8 @@ from tests.support.processes import Process
 from tests.support.stand_in import Spoil, StandIn, changed, silently
 from tests.support.wait import eventually, throughout
 
+pytestmark = pytest.mark.processes
+
 
 class Robot(StandIn):
     """Publishes made-up samples, and collects what the wrench service makes of them."""
