@@ -60,6 +60,7 @@ def test_assignments_restore_every_parameter(config: Path) -> None:
     assert service_parameters("controller", ControllerParameters, None, assignments(chosen.table())) == chosen
 
 
+@pytest.mark.processes
 @pytest.mark.timeout(180)
 def test_a_running_controller_is_certified_as_offline(
     config: Path, shared_router: Router, start: StartProcess
