@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import threading
 import time
@@ -37,6 +38,8 @@ def experiments() -> None:
 
 Out = Annotated[Path | None, typer.Option(help="Folder of the report; default runs/<experiment>-<date>.")]
 Parallel = Annotated[int, typer.Option(min=1, max=5, help="Stacks that run side by side.")]
+CARRIES = max(1, min(4, (os.cpu_count() or 1) // 2))
+"""Carries side by side: on less than two cores for each, commands come late, and the gate brakes for them."""
 Film = Annotated[bool, typer.Option(help="Render a film of the scene.")]
 
 
@@ -61,7 +64,7 @@ def carry(
     no_base: Annotated[bool, typer.Option("--no-base", help="The arm alone: that run alone.")] = False,
     runs: Annotated[str, typer.Option(help="Names of runs, LAW-BASE, separated by commas.")] = "",
     out: Out = None,
-    parallel: Parallel = 2,
+    parallel: Parallel = CARRIES,
     film: Film = True,
     robot: Robot = DEFAULT_ROBOT,
     router: Router = DEFAULT_ENDPOINT,
