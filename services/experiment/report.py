@@ -6,13 +6,14 @@ import dataclasses
 import json
 import platform
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from services.experiment.claim import Claim
-from services.experiment.recording import Recording
+from services.experiment.recording import RECORDING, Recording
+from services.experiment.run import Run
 
 Found = TypeVar("Found")
 
@@ -34,23 +35,56 @@ class Report:
     unfinished: list[str]
 
 
+@dataclass(frozen=True)
+class Measured(Generic[Found]):
+    """The runs that were played to the end, by their names, and those that were not.
+
+    Attributes:
+        runs: what was played.
+        recordings: of it.
+        figures: taken from them.
+        unfinished: a line for each other run, which is not judged.
+    """
+
+    runs: dict[str, Run]
+    recordings: dict[str, Recording]
+    figures: dict[str, Found]
+    unfinished: list[str]
+
+
 def measure_all(
-    recordings: Mapping[str, Recording], measure: Callable[[Recording], Found]
-) -> tuple[dict[str, Found], list[str]]:
-    """The figures of the runs that were played to the end, and a line for each other one.
+    folder: Path, known: Iterable[Run], names: str, measure: Callable[[Recording], Found]
+) -> Measured[Found]:
+    """The figures of all runs that were recorded under `folder`.
+
+    Args:
+        folder: with one subfolder per run.
+        known: every run that there may be.
+        names: of them, for people.
+        measure: takes the figures of one.
 
     Raises:
-        ValueError: no run was.
+        FileNotFoundError: there is no recording.
+        ValueError: no run was played to the end.
     """
-    measured, unfinished = {}, []
+    runs = {run.name: run for run in known if (folder / run.name / RECORDING).exists()}
+    if not runs:
+        raise FileNotFoundError(f"{folder}: no recording of any run {names}")
+    recordings = {name: Recording.load(folder / name / RECORDING) for name in runs}
+    figures, unfinished = {}, []
     for name, recording in recordings.items():
         try:
-            measured[name] = measure(recording)
+            figures[name] = measure(recording)
         except (KeyError, ValueError) as problem:
             unfinished.append(f"{name} is not judged: {problem.args[0]}")
-    if not measured:
+    if not figures:
         raise ValueError("; ".join(unfinished))
-    return measured, unfinished
+    return Measured(
+        {name: runs[name] for name in figures},
+        {name: recordings[name] for name in figures},
+        figures,
+        unfinished,
+    )
 
 
 def conclude(

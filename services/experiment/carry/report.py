@@ -24,7 +24,7 @@ from services.experiment.disturbance import disturbances
 from services.experiment.drawing import save
 from services.experiment.film import FILM, STRIP
 from services.experiment.page import page
-from services.experiment.recording import RECORDING, Recording
+from services.experiment.recording import Recording
 from services.experiment.report import Report, conclude, measure_all, origin
 from services.experiment.run import Run
 
@@ -40,15 +40,10 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
         FileNotFoundError: no recording under `folder`.
         ValueError: no run was played to the end.
     """
-    runs = {run.name: run for run in _known() if (folder / run.name / RECORDING).exists()}
-    if not runs:
-        raise FileNotFoundError(f"{folder}: no recording of any run LAW-BASE (as in {RUNS[0].name})")
-    recordings = {name: Recording.load(folder / name / RECORDING) for name in runs}
-    measured, unfinished = measure_all(recordings, measure)
-    runs = {name: run for name, run in runs.items() if name in measured}
-    recordings = {name: recordings[name] for name in measured}
+    played = measure_all(folder, _known(), f"LAW-BASE (as in {RUNS[0].name})", measure)
+    runs, recordings, measured = played.runs, played.recordings, played.figures
     claims = judge(runs, measured)
-    problems = [*unfinished, *disturbances(measured)]
+    problems = [*played.unfinished, *disturbances(measured)]
 
     drawn = _draw(folder, runs, recordings, measured)
     files = {name: recording.write_csv(folder / name / "csv") for name, recording in recordings.items()}
@@ -73,7 +68,7 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
         commands,
         {name: recording.meta["settings"] for name, recording in recordings.items()},
     )
-    return conclude(folder, text, claims, measured, problems, unfinished)
+    return conclude(folder, text, claims, measured, problems, played.unfinished)
 
 
 def _scenes(folder: Path, runs: Mapping[str, Run]) -> dict[str, Path]:

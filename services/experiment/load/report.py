@@ -14,7 +14,7 @@ from services.experiment.load.judge import LEAST_WAY, judge
 from services.experiment.load.measures import Measures, measure
 from services.experiment.load.protocol import FORCE_LIMIT, HEAVY, HOLD, LIGHT, RUNS, TORQUE_LIMIT, unambiguous
 from services.experiment.page import page
-from services.experiment.recording import RECORDING, Recording
+from services.experiment.recording import Recording
 from services.experiment.report import Report, conclude, measure_all, origin
 from services.experiment.run import Run
 
@@ -30,15 +30,11 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
         FileNotFoundError: no recording under `folder`.
         ValueError: no run was played to the end.
     """
-    runs = {run.name: run for run in RUNS if (folder / run.name / RECORDING).exists()}
-    if not runs:
-        raise FileNotFoundError(f"{folder}: no recording of any run ({', '.join(run.name for run in RUNS)})")
-    recordings = {name: Recording.load(folder / name / RECORDING) for name in runs}
-    measured, unfinished = measure_all(recordings, measure)
-    runs = {name: run for name, run in runs.items() if name in measured}
-    recordings = {name: recordings[name] for name in measured}
+    names = f"({', '.join(run.name for run in RUNS)})"
+    played = measure_all(folder, RUNS, names, measure)
+    runs, recordings, measured = played.runs, played.recordings, played.figures
     claims = judge(runs, measured, FORCE_LIMIT[2])
-    problems = [*unfinished, *disturbances(measured)]
+    problems = [*played.unfinished, *disturbances(measured)]
 
     drawn = _draw(folder, runs, recordings, measured)
     files = {name: recording.write_csv(folder / name / "csv") for name, recording in recordings.items()}
@@ -57,7 +53,7 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
         commands,
         {name: recording.meta["settings"] for name, recording in recordings.items()},
     )
-    return conclude(folder, text, claims, measured, problems, unfinished)
+    return conclude(folder, text, claims, measured, problems, played.unfinished)
 
 
 def _draw(
