@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from services.task import jpeg
-from services.task.edges import refined
+from services.task.edges import MODULES, refined
 from services.task.geometry import Pose
 from services.task.marker import Candidate, Solution
 from shared.messages import CameraImage
@@ -20,10 +22,8 @@ _CORNER_WINDOW = 5
 """Half the side [px] of the window in which a corner is refined at first; smaller for small markers."""
 _WINDOW_SHARE = 0.3
 """The same as a share of a marker's module."""
-_CELLS = 6
-"""Of a marker along each side: its code, and the black border."""
-_CELL_SAMPLES = np.linspace(0.3, 0.7, 5)
-"""Where in a cell [1] its brightness is read."""
+_MODULE_SAMPLES = np.linspace(0.3, 0.7, 5)
+"""Where in a module [1] its brightness is read."""
 _RGB_CHANNELS = 3
 MOST_PIXELS = 4_000_000
 """More would keep the task from its other work for longer than a tenth of a second."""
@@ -76,7 +76,7 @@ class Detector:
         corners, numbers, _ = self._detector.detectMarkers(grey)
         candidates = []
         for number, found in zip(() if numbers is None else numbers.ravel(), corners, strict=True):
-            exact = refined(found.reshape(4, 2).astype(float), lambda points: _brightness(grey, points))
+            exact = _exact(grey, found)
             solutions = () if exact is None else self._solutions(exact, camera, image.distortion)
             candidates.append(Candidate(int(number), solutions))
         if known is not None and known[0] not in [candidate.number for candidate in candidates]:
@@ -92,20 +92,20 @@ class Detector:
         """
         turn = rotation_vector(pose.rotation)
         seen, _ = cv2.projectPoints(self._corners, turn, pose.position, camera, distortion)
-        exact = refined(seen.reshape(4, 2).astype(float), lambda points: _brightness(grey, points))
+        exact = _exact(grey, seen)
         if exact is None or self._read(grey, exact) != number:
             return []
         return [Candidate(number, self._solutions(exact, camera, distortion))]
 
     def _read(self, grey: Grey, corners: Array) -> int | None:
         """The number that stands upright in a square, if half of the white along each of its edges is seen, too."""
-        places = (np.arange(-1, _CELLS + 1)[:, None] + _CELL_SAMPLES).ravel()
+        places = (np.arange(-1, MODULES + 1)[:, None] + _MODULE_SAMPLES).ravel()
         grid = np.stack(np.meshgrid(places, places), axis=-1).reshape(-1, 1, 2)
-        square = _CELLS * np.array(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)))
+        square = MODULES * np.array(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)))
         onto = cv2.getPerspectiveTransform(square.astype(np.float32), corners.astype(np.float32))
-        cells, samples = _CELLS + 2, len(_CELL_SAMPLES)
+        modules, samples = MODULES + 2, len(_MODULE_SAMPLES)
         points = cv2.perspectiveTransform(grid, onto).reshape(-1, 2).astype(float)
-        bright = _brightness(grey, points).reshape(cells, samples, cells, samples)
+        bright = _brightness(grey, points).reshape(modules, samples, modules, samples)
         white = (bright > (bright.min() + bright.max()) / 2).mean(axis=(1, 3)) > 0.5
         along = slice(1, -1)
         margin = np.stack((white[0, along], white[-1, along], white[along, 0], white[along, -1]))
@@ -132,6 +132,11 @@ class Detector:
             if np.isfinite(turn).all() and np.isfinite(shift).all() and shift[2] > 0.0:
                 solutions.append(Solution(shift, rotation_from_vector(turn), error))
         return tuple(sorted(solutions, key=lambda solution: solution.error))
+
+
+def _exact(grey: Grey, corners: NDArray[Any]) -> Array | None:
+    """Corners (4, 2) [px] of a square that are known roughly; None where no edge is to be seen."""
+    return refined(corners.reshape(4, 2).astype(float), lambda points: _brightness(grey, points))
 
 
 def _brightness(grey: Grey, points: Array) -> Array:

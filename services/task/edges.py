@@ -15,7 +15,8 @@ from shared.spatial import Array
 Sampler = Callable[[Array], Array]
 """Brightness (n,) at points (n, 2) [px]."""
 
-_MODULES = 6
+MODULES = 6
+"""Of a marker along each side: its code, and the black border."""
 _SPAN = np.linspace(0.1, 0.9, 33)
 """Where along an edge [1] it is looked at: not at its ends, where the next edge begins."""
 _ACROSS = np.linspace(-1.0, 1.0, 25)
@@ -44,7 +45,7 @@ def refined(corners: Array, sample: Sampler) -> Array | None:
             return None
         met = [_crossing(fitted[edge - 1], fitted[edge]) for edge in range(4)]
         moved = np.array(met)
-        if not np.isfinite(moved).all() or np.abs(moved - corners).max() > _span(corners) / _MODULES:
+        if not np.isfinite(moved).all() or np.abs(moved - corners).max() > _span(corners) / MODULES:
             return None
         corners = moved
     return corners
@@ -60,7 +61,7 @@ def _line(corners: Array, sample: Sampler) -> tuple[Array, Array] | None:
     centres = corners[0] + _SPAN[:, None] * (corners[1] - corners[0])
     opposite = corners[3] + _SPAN[:, None] * (corners[2] - corners[3])
     # Across the edge along the square's other sides, not at right angles: a square seen from the side is a lozenge.
-    module = (opposite - centres) / _MODULES
+    module = (opposite - centres) / MODULES
     length = np.linalg.norm(module, axis=1)
     if length.min() < _SMALLEST:
         return None
