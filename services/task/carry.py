@@ -43,12 +43,12 @@ class Carry:
         """The gripper opens: nothing holds the panel any more."""
         self._time = 0.0
         self._end: Pose | None = None
-        self._stands: Pose | None = None
+        self._place: Pose | None = None
 
     def carry(self, seen: Seen, dt: float) -> Decision:
         """Follow the person; the target does what CARRY 1 and 2 say, the nominal wrench what 3 says."""
         settings = self._settings
-        self._stands = None
+        self._place = None
         height = self._height(seen, dt)
         target = carrying_target(self.home, seen.tool, height, settings.fixed_target)
         force = self.nominal.carry(seen.force, dt)
@@ -126,8 +126,8 @@ class Carry:
         """The target while the panel is set down."""
         if self._settings.fixed_target:
             return self.home
-        self._stands = self._stands or tool
-        return standing_target(self._stands, tool, float(tool.position[2]) - self._judge.press())
+        self._place = self._place or tool
+        return standing_target(self._place, tool, float(tool.position[2]) - self._judge.press())
 
     def _stuck(self, seen: Seen, dt: float) -> str:
         """That the arm does not give way to a force beyond the limit, which only its own limits keep it from."""
