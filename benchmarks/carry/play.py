@@ -18,11 +18,9 @@ from services.experiment.carry import protocol
 from services.experiment.course import Failed
 from services.experiment.play import Play
 from services.experiment.recording import Event
+from services.task.parameters import TaskParameters
 from shared.messages import Stop
 from shared.topics import STOP
-
-WARNING = "do not let go of it"
-"""In what the task says of a panel that the gripper cannot hold alone."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +67,8 @@ def play(chosen: Case) -> Played:
     states = [event for event in events if event.name in STATES]
     end = states[-1] if states else Event(0.0, "", trouble)
     limits = np.array(protocol.FORCE_LIMIT + protocol.TORQUE_LIMIT)
-    warned = any(WARNING in event.detail for event in events)
+    warning = TaskParameters.of(chosen.run.settings["task"]).warning
+    warned = bool(warning) and any(warning in event.detail for event in events)
     verdict = judge(
         witness.seen(), limits, end.name, end.detail, course.told, trouble, chosen.ends_held, warned
     )
