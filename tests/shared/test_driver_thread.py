@@ -32,6 +32,7 @@ def buses(shared_router: Router) -> Iterator[tuple[ZenohBus, ZenohBus]]:
         bus.close()
 
 
+@pytest.mark.processes
 def test_what_arrives_during_the_work_is_handed_over_first_and_worked_on_once(
     buses: tuple[ZenohBus, ZenohBus],
 ) -> None:
