@@ -24,12 +24,14 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
     console = Console()
     with open_bus(robot, connect) as bus:
         watch = Watch(bus)
+        expected = SERVICES if known is None else known.services
+        shown = watch.living().union(expected)
         deadline = time.monotonic() + LISTEN
-        while time.monotonic() < deadline and not _complete(watch):
+        while time.monotonic() < deadline and not watch.complete(shown):
             time.sleep(0.05)
         living = watch.living()
         heard = watch.health()
-        rows = diagnose.rows(living, heard, SERVICES if known is None else known.services)
+        rows = diagnose.rows(living, heard, expected)
         if known is None:
             rows = [
                 row if row.service in living | set(heard) else diagnose.never_seen(row.service)
@@ -51,12 +53,3 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
     for reason in wrong:
         console.print(f"wrong: {reason}", style="red", highlight=False, soft_wrap=True)
     raise typer.Exit(1)
-
-
-def _complete(watch: Watch) -> bool:
-    """Whether one message of everything that the view shows has come."""
-    heard = watch.health()
-    spoken = all(service in heard for service in SERVICES)
-    return spoken and all(
-        watch.message(topic) is not None for topic in (topics.STATE_ROBOT, topics.CONTROL_STATUS)
-    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 from services.cli.diagnose import Heard
@@ -47,3 +48,8 @@ class Watch:
     def living(self) -> set[str]:
         """Services that hold a liveliness token."""
         return self._bus.living()
+
+    def complete(self, services: Collection[str]) -> bool:
+        """Whether every one of the services was heard, and the robot and the controller have told their state."""
+        told = (self.message(topic) is not None for topic in (topics.STATE_ROBOT, topics.CONTROL_STATUS))
+        return self.health().keys() >= set(services) and all(told)
