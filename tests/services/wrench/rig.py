@@ -14,8 +14,10 @@ from shared.inlet import Received
 from shared.messages import ExternalWrench, FtSample
 from shared.spatial import Array
 from shared.stack import Stack
-from shared.topics import SENSOR_FT, WRENCH_EXTERNAL, Query
-from tests.services.wrench.sensor import LEVEL, Sensor
+from shared.topics import SENSOR_FT, WRENCH_EXTERNAL, WRENCH_IDENTIFY, Query
+from tests.services.wrench.sensor import LEVEL, TILTED, Sensor
+
+BAG = np.array((0.0, 0.0, -20.0, 1.0, -2.0, 0.0))
 
 
 class Rig:
@@ -71,3 +73,17 @@ class Rig:
 
     def ask(self, query: Query, **request: Any) -> dict[str, Any]:
         return self.stack.client.ask(query, request, timeout=40.0)
+
+
+def bounds_hold(rig: Rig, external: np.ndarray) -> bool:
+    bounds = np.array([r.message.error_bound for r in rig.received])
+    return bool(np.all(np.abs(rig.wrenches - external) <= bounds))
+
+
+def identified(rig: Rig) -> dict:
+    rig.ask(WRENCH_IDENTIFY, action="start")
+    for rotation in TILTED:
+        rig.rotation = rotation
+        rig.run(0.05)
+        rig.ask(WRENCH_IDENTIFY, action="add")
+    return rig.ask(WRENCH_IDENTIFY, action="solve")

@@ -2,32 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from shared.parameters import Refused
 from shared.spatial import rotation_from_vector
 from shared.topics import WRENCH_IDENTIFY, WRENCH_PARAMETERS, WRENCH_TARE
-from tests.services.wrench.rig import Rig
+from tests.services.wrench.rig import BAG, Rig, bounds_hold, identified
 from tests.services.wrench.sensor import TILTED
-
-BAG = np.array((0.0, 0.0, -20.0, 1.0, -2.0, 0.0))
-
-
-def bounds_hold(rig: Rig, external: np.ndarray) -> bool:
-    bounds = np.array([r.message.error_bound for r in rig.received])
-    return bool(np.all(np.abs(rig.wrenches - external) <= bounds))
-
-
-def identified(rig: Rig) -> dict:
-    rig.ask(WRENCH_IDENTIFY, action="start")
-    for rotation in TILTED:
-        rig.rotation = rotation
-        rig.run(0.05)
-        rig.ask(WRENCH_IDENTIFY, action="add")
-    return rig.ask(WRENCH_IDENTIFY, action="solve")
 
 
 @pytest.mark.parametrize("rate", [30.0, 100.0, 500.0])
@@ -253,63 +235,3 @@ def test_low_pass_smooths() -> None:
         rig.run(1.0)
         rig.run(5.0)
     assert np.all(smooth.wrenches.std(axis=0) < 0.4 * rough.wrenches.std(axis=0))
-
-
-def test_restarted_process_goes_on_with_the_tare_of_the_same_robot_run(tmp_path: Path) -> None:
-    rig = Rig(tmp_path)
-    rig.run(0.2)
-    rig.ask(WRENCH_TARE, duration=1.0)
-    rig.external = BAG
-    rig.run(0.02)
-    rig.run(0.5)
-    before = rig.wrenches.mean(axis=0)
-    again = Rig(tmp_path)
-    again.stack.client.publisher.session = rig.stack.client.publisher.session
-    again.external = BAG
-    again.run(0.5)
-    assert again.last.message.compensation == "tare"
-    assert again.wrenches.mean(axis=0) == pytest.approx(before, abs=0.1)
-
-
-def test_tare_of_another_robot_run_is_not_used(tmp_path: Path) -> None:
-    rig = Rig(tmp_path)
-    rig.run(0.2)
-    rig.ask(WRENCH_TARE, duration=1.0)
-    again = Rig(tmp_path)
-    again.run(0.5)
-    assert again.last.message.compensation == "none"
-
-
-def test_tare_survives_a_restart_of_the_robot_process() -> None:
-    rig = Rig()
-    rig.run(0.2)
-    rig.ask(WRENCH_TARE, duration=1.0)
-    rig.on = False
-    rig.run(2.0)
-    rig.stack.client.publisher.session += 1
-    rig.on = True
-    rig.run(0.5)
-    assert rig.last.header.valid and rig.last.message.compensation == "tare"
-
-
-def test_identified_payload_is_saved_and_read_at_the_next_start(tmp_path: Path) -> None:
-    rig = Rig(tmp_path)
-    rig.run(0.2)
-    answer = identified(rig)
-    again = Rig(payload=answer["file"])
-    again.external = BAG
-    again.rotation = TILTED[3]
-    again.run(0.5)
-    assert again.last.message.compensation == "payload"
-    assert bounds_hold(again, BAG)
-
-
-def test_full_disk_is_noted_and_changes_nothing_else(tmp_path: Path) -> None:
-    blocked = tmp_path / "file"
-    blocked.write_text("")
-    rig = Rig(blocked)
-    rig.run(0.2)
-    assert rig.ask(WRENCH_TARE, duration=1.0)["ok"] is True
-    rig.run(0.2)
-    assert rig.last.header.valid and rig.last.message.compensation == "tare"
-    assert "cannot write" in rig.wrench.notes()

@@ -1,0 +1,73 @@
+"""The task is killed and started again, or ended: grip and target stay, and a carry goes on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from services.task.geometry import Pose
+from shared.topics import (
+    BASE_ENABLE,
+    COMMAND_GRIPPER,
+    CONTROL_TARGET,
+)
+from tests.services.task.rig import Rig
+
+
+def test_killed_and_restarted_while_carrying_goes_on_without_a_jump(tmp_path: Path) -> None:
+    rig = Rig(tmp_path).carrying()
+    rig.robot.toy.far_height = float(rig.robot.toy.tool.position[2]) - 0.15
+    rig.run(1.2)
+    before, nominal = rig.target, rig.robot.last(CONTROL_TARGET).nominal_force[2]
+    rig.kill_task()
+    rig.run(3.0)
+    for received in rig.robot.received.values():
+        received.clear()
+    rig.start_task()
+    rig.run(2.0)
+    assert rig.robot.state == "carrying"
+    first = rig.robot.received[CONTROL_TARGET.key][0].message
+    again = Pose.of(first.position, first.orientation)
+    assert np.allclose(again.position[:2], before.position[:2], atol=1e-9)
+    assert abs(again.position[2] - rig.robot.toy.tool.position[2]) < 0.05
+    assert first.nominal_force[2] == pytest.approx(nominal)
+    assert all(r.message.opening == 0.0 for r in rig.robot.received[COMMAND_GRIPPER.key])
+    assert rig.robot.toy.gripped
+    rig.leads = True
+    rig.until("done", 90.0)
+
+
+def test_an_abort_before_a_restart_is_ready_is_kept(tmp_path: Path) -> None:
+    rig = Rig(tmp_path).carrying()
+    rig.kill_task()
+    rig.run(1.0)
+    rig.start_task()
+    rig.run(0.2)
+    assert rig.ask("abort") == "holding"
+    for received in rig.robot.received.values():
+        received.clear()
+    rig.run(1.0)
+    assert rig.robot.state == "holding" and "aborted" in rig.robot.reason
+    assert not any(r.message.enabled for r in rig.robot.received[BASE_ENABLE.key])
+    assert rig.ask("start") == "carrying"
+
+
+def test_restarted_when_idle_it_is_idle(tmp_path: Path) -> None:
+    rig = Rig(tmp_path).begun().until("done", 120.0)
+    rig.kill_task()
+    rig.start_task()
+    rig.run(2.0)
+    assert rig.robot.state == "idle"
+    assert not list((tmp_path / "task").iterdir())
+
+
+def test_shutdown_leaves_grip_and_target_and_stops_the_base() -> None:
+    rig = Rig().carrying()
+    for received in rig.robot.received.values():
+        received.clear()
+    rig.runner.close()
+    rig.stack.run(0.005)
+    assert [r.message.enabled for r in rig.robot.received[BASE_ENABLE.key]] == [False]
+    assert not rig.robot.received[COMMAND_GRIPPER.key]
