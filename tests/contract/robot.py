@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import secrets
 import threading
 import time
@@ -14,10 +15,19 @@ import numpy as np
 import zenoh
 
 from shared.codec import Rejected, decode, encode
-from shared.messages import EndEffector, FtSample, Header, RobotStatus, Stop, TwistCommand
+from shared.messages import BaseState, EndEffector, FtSample, Header, RobotStatus, Stop, TwistCommand
 from shared.records import Record
 from shared.spatial import Array, rotation_matrix
-from shared.topics import COMMAND_EE_TWIST, SENSOR_FT, STATE_EE, STATE_ROBOT, STOP, Topic, topic_by_key
+from shared.topics import (
+    COMMAND_EE_TWIST,
+    SENSOR_FT,
+    STATE_BASE,
+    STATE_EE,
+    STATE_ROBOT,
+    STOP,
+    Topic,
+    topic_by_key,
+)
 from tests.support.processes import Process
 from tests.support.wait import eventually
 
@@ -74,11 +84,12 @@ class Network:
 
 
 class Commander(Network):
-    """Whoever commands: sends what ``make`` gives a hundred times a second, a command or a payload."""
+    """Whoever commands: sends what ``make`` gives on ``topic`` a hundred times a second, a command or a payload."""
 
-    def __init__(self, endpoint: str) -> None:
+    def __init__(self, endpoint: str, topic: Topic = COMMAND_EE_TWIST) -> None:
         super().__init__(endpoint)
-        self.make: Callable[[], TwistCommand | bytes | None] = lambda: None
+        self.topic = topic
+        self.make: Callable[[], Record | bytes | None] = lambda: None
         self.number = 0
         self._id = secrets.randbits(62)
         self._ended = threading.Event()
@@ -89,7 +100,7 @@ class Commander(Network):
         while not self._ended.wait(0.01):
             made = self.make()
             if made is not None:
-                self.put(COMMAND_EE_TWIST.key, made if isinstance(made, bytes) else self.payload(made))
+                self.put(self.topic.key, made if isinstance(made, bytes) else self.payload(made))
 
     def payload(self, message: Record, valid: bool = True, number: int | None = None) -> bytes:
         """A message with the next sequence number, or with one of the past."""
@@ -120,7 +131,7 @@ class Robot(Network):
     def _on_sample(self, sample: zenoh.Sample) -> None:
         key = str(sample.key_expr).removeprefix(f"{self._name}/")
         topic = topic_by_key(key)
-        if topic in (COMMAND_EE_TWIST, STOP):
+        if topic is STOP or key.startswith("command/"):
             return
         try:
             assert topic is not None, "no key of the contract"
@@ -132,7 +143,11 @@ class Robot(Network):
         self.heard.setdefault(key, deque(maxlen=_KEPT)).append(heard)
 
     def started(self) -> Robot:
-        eventually(lambda: {"state/ee", "state/robot", "sensor/ft"} <= set(self.heard), PATIENCE, "it speaks")
+        eventually(
+            lambda: {"state/ee", "state/base", "state/robot", "sensor/ft"} <= set(self.heard),
+            PATIENCE,
+            "it speaks",
+        )
         return self
 
     def all(self, topic: Topic) -> list[Heard]:
@@ -158,11 +173,26 @@ class Robot(Network):
     def speed(self) -> float:
         return float(np.linalg.norm(self.tool.linear))
 
+    @property
+    def base(self) -> BaseState:
+        return self.heard[STATE_BASE.key][-1].message
+
     def at_rest(self) -> bool:
         return self.speed < 2e-3 and float(np.linalg.norm(self.tool.angular)) < 1e-2
 
     def rests(self) -> None:
         eventually(self.at_rest, PATIENCE, "the tool stands still")
+
+    def base_at_rest(self) -> bool:
+        return bool((np.abs(self.base.velocity) < (2e-3, 2e-3, 4e-3)).all())
+
+    def base_rests(self) -> None:
+        eventually(self.base_at_rest, PATIENCE, "the base stands still")
+
+    def counted(self, what: str) -> int:
+        """How many cases of that kind the robot has named so far."""
+        cases = re.findall(rf"{what}[^;,]*?: (\d+)|(\d+) [^;,]*?{what}", self.status.reason)
+        return sum(int(number) for case in cases for number in case if number)
 
     def follow(self, commander: Commander, linear: tuple, angular: tuple, moved: Callable[[], bool]) -> None:
         """Let the robot be commanded until it has moved so far, and come to rest."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import re
 from collections.abc import Callable
 
 import msgpack
@@ -34,25 +33,19 @@ def swaying(axis: int, speed: float = SPEED, ttl: float = 0.1) -> Callable[[], T
     return make
 
 
-def counted(robot: Robot, what: str) -> int:
-    """How many cases of that kind the robot has named so far."""
-    cases = re.findall(rf"{what}[^;,]*?: (\d+)|(\d+) [^;,]*?{what}", robot.status.reason)
-    return sum(int(number) for case in cases for number in case if number)
-
-
 def moves(robot: Robot, axis: int) -> Callable[[], bool]:
     return lambda: abs(robot.tool.linear[axis]) > 0.4 * SPEED
 
 
 def test_silence_means_stop(robot: Robot, commander: Commander) -> None:
-    expired = counted(robot, "expired")
+    expired = robot.counted("expired")
     commander.make = swaying(2)
     eventually(moves(robot, 2), PATIENCE, "the tool moves")
     eventually(lambda: robot.status.mode == "ready", PATIENCE, "the robot says so")
     commander.make = lambda: None
     robot.rests()
     eventually(lambda: robot.status.mode == "holding", PATIENCE, "the gate holds")
-    eventually(lambda: counted(robot, "expired") == expired + 1, PATIENCE, "it is counted once")
+    eventually(lambda: robot.counted("expired") == expired + 1, PATIENCE, "it is counted once")
     where = robot.tool.position
     throughout(lambda: np.linalg.norm(robot.tool.position - where) < 1e-3, 0.5, "the tool stays")
 
@@ -83,31 +76,31 @@ def test_a_command_acts_for_its_ttl_and_no_longer(
 def test_commands_slower_than_their_ttl_flood_nobody(robot: Robot, commander: Commander) -> None:
     turn = iter(range(10**9))
     command = swaying(2, ttl=0.02)
-    expired = counted(robot, "expired")
+    expired = robot.counted("expired")
     commander.make = lambda: command() if next(turn) % 3 == 0 else None
     eventually(moves(robot, 2), PATIENCE, "the tool moves")
     before = robot.heard["state/robot"][-1].header
     eventually(lambda: robot.heard["state/robot"][-1].header.seq >= before.seq + 8, PATIENCE, "eight reports")
     after = robot.heard["state/robot"][-1].header
     assert (after.seq - before.seq) / ((after.stamp - before.stamp) * 1e-9) < 12.0
-    assert counted(robot, "expired") <= expired + 2
+    assert robot.counted("expired") <= expired + 2
 
 
 def test_of_two_publishers_the_second_is_refused_and_named(
     robot: Robot, commander: Commander, second: Commander
 ) -> None:
-    refused = counted(robot, "second session")
+    refused = robot.counted("second session")
     commander.make = swaying(2)
     eventually(moves(robot, 2), PATIENCE, "the first one moves the tool")
     second.make = swaying(1)
-    eventually(lambda: counted(robot, "second session") > refused, PATIENCE, "the second one is named")
+    eventually(lambda: robot.counted("second session") > refused, PATIENCE, "the second one is named")
     commander.make = lambda: None
     eventually(moves(robot, 1), PATIENCE, "the second one, once the first is silent")
 
 
 def test_what_is_out_of_sequence_is_not_executed_and_named(robot: Robot, commander: Commander) -> None:
     robot.rests()
-    refused = counted(robot, "out of sequence")
+    refused = robot.counted("out of sequence")
     turn = iter(range(10**9))
     commander.number = 1000
 
@@ -120,7 +113,7 @@ def test_what_is_out_of_sequence_is_not_executed_and_named(robot: Robot, command
     commander.put(COMMAND_EE_TWIST.key, commander.payload(TwistCommand(ZERO, ZERO, 0.1)))
     commander.make = make
     start = robot.tool.position
-    eventually(lambda: counted(robot, "out of sequence") >= refused + 5, PATIENCE, "it is counted")
+    eventually(lambda: robot.counted("out of sequence") >= refused + 5, PATIENCE, "it is counted")
     assert np.linalg.norm(robot.tool.position - start) < 1e-3
 
 
@@ -158,9 +151,9 @@ def test_what_is_no_command_moves_nothing_and_is_counted(
 ) -> None:
     robot.rests()
     start = robot.tool.position
-    rejected = counted(robot, "rejected")
+    rejected = robot.counted("rejected")
     commander.make = lambda: command
-    eventually(lambda: counted(robot, "rejected") >= rejected + 5, PATIENCE, "it is counted")
+    eventually(lambda: robot.counted("rejected") >= rejected + 5, PATIENCE, "it is counted")
     assert np.linalg.norm(robot.tool.position - start) < 1e-3
 
 
@@ -180,7 +173,7 @@ def test_a_command_that_is_marked_invalid_means_stop(robot: Robot, commander: Co
 
 
 def test_an_excess_is_clamped_and_told(robot: Robot, commander: Commander) -> None:
-    clamped = counted(robot, "clamped")
+    clamped = robot.counted("clamped")
     fastest = []
 
     def slow_enough() -> bool:
@@ -188,7 +181,7 @@ def test_an_excess_is_clamped_and_told(robot: Robot, commander: Commander) -> No
         return robot.speed <= robot.status.max_linear * 1.1
 
     commander.make = swaying(2, speed=1e6, ttl=1e6)
-    eventually(lambda: counted(robot, "clamped") > clamped, PATIENCE, "the excess is told")
+    eventually(lambda: robot.counted("clamped") > clamped, PATIENCE, "the excess is told")
     throughout(slow_enough, 1.0, "no faster than the robot's limit")
     assert max(fastest) > 0.02
 
@@ -202,13 +195,13 @@ def test_what_gripper_and_head_cannot_do_or_read_is_told(
     robot: Robot, commander: Commander, topic: Topic, message: Record
 ) -> None:
     word = topic.key.rpartition("/")[2]
-    clamped, rejected = counted(robot, f"{word} commands clamped"), counted(robot, "rejected")
+    clamped, rejected = robot.counted(f"{word} commands clamped"), robot.counted("rejected")
 
     def told() -> bool:
         # Not only once: the first may come before the robot has discovered its publisher.
         commander.put(topic.key, commander.payload(message))
         commander.put(topic.key, b"\xc1" * 50)
-        return counted(robot, f"{word} commands clamped") > clamped and counted(robot, "rejected") > rejected
+        return robot.counted(f"{word} commands clamped") > clamped and robot.counted("rejected") > rejected
 
     eventually(told, PATIENCE, "excess and garbage are told")
 
