@@ -13,10 +13,10 @@ from shared.messages import ControlTarget, Enable, GripperCommand, HeadCommand, 
 from shared.service import Output
 from shared.topics import BASE_ENABLE, COMMAND_GRIPPER, COMMAND_HEAD, CONTROL_TARGET, TASK_STATUS
 
-_OFTEN = 0.19
-"""Longest time [s] between two targets, enables or statuses: 5 Hz or more."""
-_SELDOM = 1.0
-"""The same for what is sent on change, should one be lost or the robot restart [s]."""
+_OFTEN = 0.15
+"""Time [s] between two targets, enables or statuses: 5 Hz or more, also if a step is late."""
+_SELDOM = 0.4
+"""The same for what is sent on change: less than half of the silence after which another may command the gripper."""
 
 
 class _Due:

@@ -52,7 +52,7 @@ def test_rates_while_carrying() -> None:
     assert len(rig.robot.received[BASE_ENABLE.key]) >= 25
     assert len(rig.robot.received[TASK_STATUS.key]) >= 25
     closing = rig.robot.received[COMMAND_GRIPPER.key]
-    assert 4 <= len(closing) <= 6 and all(r.message.opening == 0.0 for r in closing)
+    assert 10 <= len(closing) <= 13 and all(r.message.opening == 0.0 for r in closing)
     assert not rig.robot.received[COMMAND_HEAD.key]
 
 
