@@ -27,6 +27,8 @@ _MODULE_SAMPLES = np.linspace(0.3, 0.7, 5)
 _RGB_CHANNELS = 3
 MOST_PIXELS = 4_000_000
 """More would keep the task from its other work for longer than a tenth of a second."""
+LONGEST_SIDE = 8_000
+"""Pixels; OpenCV's sampling ends at 32767."""
 
 
 class BadImage(ValueError):
@@ -66,8 +68,14 @@ class Detector:
             known: number of a marker that was tracked up to now, and where it has to be in the optical frame.
 
         Raises:
-            BadImage: if the data is no image of the size that it claims.
+            BadImage: if the data is no image of the size that it claims, or none that OpenCV can work on.
         """
+        try:
+            return self._find(image, known)
+        except cv2.error as problem:
+            raise BadImage(f"OpenCV cannot work on it ({problem.err})") from None
+
+    def _find(self, image: CameraImage, known: tuple[int, Pose] | None) -> list[Candidate]:
         grey = decoded(image)
         fx, fy, cx, cy = image.intrinsics.tolist()
         if fx <= 0.0 or fy <= 0.0:
@@ -153,8 +161,9 @@ def decoded(image: CameraImage) -> Grey:
         BadImage: if the data is no image of the size that it claims.
     """
     width, height = image.width, image.height
-    if width * height > MOST_PIXELS:
-        raise BadImage(f"it is {width} x {height}, allowed are {MOST_PIXELS} pixels")
+    if width * height > MOST_PIXELS or max(width, height) > LONGEST_SIDE:
+        allowed = f"{MOST_PIXELS} pixels, {LONGEST_SIDE} on a side"
+        raise BadImage(f"it is {width} x {height}, allowed are {allowed}")
     data = np.frombuffer(image.data, dtype=np.uint8)
     if image.encoding == "jpeg":
         size = jpeg.size(image.data)

@@ -70,7 +70,7 @@ FAULTS: dict[str, tuple[Kind, str]] = {
     ),
     "marker_ambiguous": (Kind.BLIND, "the marker may be tilted either way: {}. Look at it from another side"),
     "marker_jump": (Kind.BLIND, "the marker jumped by {}"),
-    "marker_old": (Kind.BLIND, "the image of the marker is too old: {}"),
+    "marker_old": (Kind.BLIND, "the camera lags: its image is {}"),
     "marker_new": (Kind.BLIND, "the marker was seen in {}"),
 }
 

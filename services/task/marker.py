@@ -12,6 +12,9 @@ from shared.spatial import Array
 _SMOOTHING = 0.3
 """Share [1] of a new pose in the trusted one: a single image is off by up to twice as much."""
 
+_SAME_ANGLE = 0.05
+"""Solutions closer than this [rad] are one."""
+
 
 @dataclass(frozen=True, eq=False)
 class Solution:
@@ -44,7 +47,6 @@ class MarkerLimits:
         number: its id.
         error: largest reprojection error [px].
         ambiguity: how many times worse the second solution has to fit [1].
-        same_angle: solutions closer than this [rad] are one.
         jump: largest distance [m] from the last accepted pose.
         jump_angle: largest angle [rad] from it.
         max_age: age [s] up to which a pose is used.
@@ -52,13 +54,12 @@ class MarkerLimits:
     """
 
     number: int
-    error: float = 0.6
-    ambiguity: float = 2.0
-    same_angle: float = 0.05
-    jump: float = 0.05
-    jump_angle: float = 0.2
-    max_age: float = 0.5
-    confirm: int = 3
+    error: float
+    ambiguity: float
+    jump: float
+    jump_angle: float
+    max_age: float
+    confirm: int
 
 
 class MarkerTracker:
@@ -132,13 +133,13 @@ class MarkerTracker:
             camera: the optical frame in base when it was taken.
             age: time [s] since it was taken.
         """
-        self._image_seen, self._since_image = True, age
+        self._image_seen, self._since_image = True, 0.0
         self._doubt = self._accept(found, camera, age)
 
     def _accept(self, found: Sequence[Candidate], camera: Pose, age: float) -> Present | None:
         limits = self._limits
         if age > limits.max_age:
-            return Present("marker_old", f"{age:.2f} s, allowed are {limits.max_age:g} s")
+            return Present("marker_old", f"{age:.2f} s old, allowed are {limits.max_age:g} s")
         ours = [candidate for candidate in found if candidate.number == limits.number]
         if not ours:
             others = ", ".join(str(candidate.number) for candidate in found[:5])
@@ -172,7 +173,7 @@ class MarkerTracker:
             return Present("marker_error", f"{best.error:.2f} px, allowed are {limits.error:g} px")
         for other in solutions[1:]:
             apart = Pose(best.position, best.rotation).angle(Pose(other.position, other.rotation))
-            if apart > limits.same_angle and other.error < limits.ambiguity * best.error:
+            if apart > _SAME_ANGLE and other.error < limits.ambiguity * best.error:
                 ratio = f"the second pose fits {other.error / max(best.error, 1e-9):.1f} times worse"
                 return Present("marker_ambiguous", f"{ratio}, wanted are {limits.ambiguity:g} times")
         return None

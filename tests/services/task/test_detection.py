@@ -20,7 +20,7 @@ from tests.services.task.scene import HEIGHT, WIDTH, Camera, Light, Print, messa
 
 NUMBER = 7
 LIMITS = TaskParameters(marker_id=NUMBER).marker_limits()
-SINGLE = MarkerLimits(number=NUMBER, error=LIMITS.error, ambiguity=LIMITS.ambiguity, confirm=1)
+SINGLE = replace(LIMITS, number=NUMBER, confirm=1)
 
 
 def believed(found: list, limits: MarkerLimits = SINGLE) -> Pose | str:
