@@ -1,7 +1,7 @@
 """What outlives the process: where the carry stands, in a small file, and whether a restart may go by it.
 
-Times are the machine's steady clock, which goes on when the process does not; after a reboot it begins anew, and a
-journal from before lies in the future or is old.
+Times are the machine's steady clock, which goes on when the process does not, and begins anew at a reboot: so an entry
+names the boot that it was written in.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from services.task.parameters import TaskParameters
 from services.task.states import Seen, State
 from shared.storage import write_whole
 
-_VERSION = 1
-_KEPT = 8
+_VERSION = 2
+_BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
 _LONGEST = 4096
 """Characters of a file that is read at most; a journal has a few hundred."""
 _SHOWN = 100
@@ -41,6 +41,7 @@ class Entry:
         nominal: nominal force along z [N].
         supported: whether the panel was lifted.
         written: when, steady clock [s].
+        boot: of the machine, in which that clock runs; "" if it has no name.
     """
 
     session: int
@@ -51,6 +52,7 @@ class Entry:
     nominal: float
     supported: bool
     written: float = 0.0
+    boot: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,29 +71,28 @@ class Recalled:
 
 
 class Journal:
-    """One file per run of a robot process, so that two robots on one machine do not mix.
+    """One file, named after the run of the robot process that it is of.
 
     Args:
-        folder: None keeps nothing.
+        folder: of one robot alone: all that lies there is of its runs. None keeps nothing.
+        boot: name of the machine's present boot.
 
     Attributes:
         problem: why the last access failed, empty if it did not.
     """
 
-    def __init__(self, folder: Path | None) -> None:
+    def __init__(self, folder: Path | None, boot: str = "") -> None:
         self._folder = folder
+        self._boot = boot
         self.problem = ""
 
     def read(self, session: int) -> Entry | None:
-        """The entry of this run, else the newest one; None if there is none, or with a ``problem`` if it is torn."""
+        """The entry of this run, else that of the last one; None without any, with a ``problem`` if it is torn."""
         if self._folder is None:
             return None
         what: Path = self._folder
         try:
             found = self._files(session)
-            for path in found[:-_KEPT]:
-                with suppress(OSError):
-                    path.unlink()
             if not found:
                 return None
             what = found[-1]
@@ -116,17 +117,25 @@ class Journal:
         return sorted(files, key=lambda path: (path == ours, path.lstat().st_mtime))
 
     def write(self, session: int, entry: Entry | None, now: float) -> None:
-        """Replace the file in one step, or remove it; a full disk is noted in ``problem`` and changes nothing else."""
+        """Replace the file in one step, or remove it; a full disk is noted in ``problem`` and changes nothing else.
+
+        What earlier runs of the robot have left goes with it: a carry that is over must not come back.
+        """
         if self._folder is None:
             return
+        ours = self._path(session)
         try:
             if entry is None:
-                self._path(session).unlink(missing_ok=True)
+                ours.unlink(missing_ok=True)
             else:
-                write_whole(self._path(session), json.dumps(_plain(entry, now)))
+                write_whole(ours, json.dumps(_plain(entry, now, self._boot)))
             self.problem = ""
+            for path in self._files(session):
+                if path != ours:
+                    with suppress(OSError):
+                        path.unlink()
         except OSError as problem:
-            text = f"cannot write {self._path(session)} ({problem.strerror})"
+            text = f"cannot write {ours} ({problem.strerror})"
             self.problem = f"{text}: a restart would not know of the carry"
 
     def _path(self, session: int) -> Path:
@@ -134,7 +143,17 @@ class Journal:
         return self._folder / f"{session}.json"
 
 
-def judge(entry: Entry | None, problem: str, seen: Seen, parameters: TaskParameters, now: float) -> Recalled:
+def boot_id() -> str:
+    """Name of the machine's present boot; "" if it has none."""
+    try:
+        return _BOOT_ID.read_text(encoding="ascii").strip()
+    except (OSError, ValueError):
+        return ""
+
+
+def judge(
+    entry: Entry | None, problem: str, seen: Seen, parameters: TaskParameters, now: float, boot: str = ""
+) -> Recalled:
     """Whether a restart may go by what it read.
 
     Args:
@@ -143,6 +162,7 @@ def judge(entry: Entry | None, problem: str, seen: Seen, parameters: TaskParamet
         seen: at the first step; the gripper is known.
         parameters: of this process.
         now: steady clock [s].
+        boot: of the machine.
     """
     assert seen.gripper is not None
     if entry is None:
@@ -151,13 +171,14 @@ def judge(entry: Entry | None, problem: str, seen: Seen, parameters: TaskParamet
         whose = "another run of the robot" if entry.session != seen.session else "this run"
         return Recalled(reason=f"the journal is of a carry in {whose}, and the gripper holds nothing now")
     age = now - entry.written
-    if not 0.0 <= age <= parameters.journal_max_age:
-        how = "from before a reboot" if age < 0 else f"{age:.0f} s old"
-        return Recalled(reason=f"the journal is {how}, allowed are {parameters.journal_max_age:g} s")
+    if entry.boot != boot or age < 0.0:
+        return Recalled(kept=entry, reason="the journal is from before a reboot")
+    if age > parameters.journal_max_age:
+        how = f"{age:.0f} s old, allowed are {parameters.journal_max_age:g} s"
+        return Recalled(kept=entry, reason=f"the journal is {how}")
     if entry.mass != parameters.panel_mass:
-        return Recalled(
-            reason=f"the journal is of a panel of {entry.mass:g} kg, panel_mass is {parameters.panel_mass:g} kg"
-        )
+        what = f"of a panel of {entry.mass:g} kg, panel_mass is {parameters.panel_mass:g} kg"
+        return Recalled(kept=entry, reason=f"the journal is {what}")
     if entry.session != seen.session:
         return Recalled(
             kept=entry, reason="the robot was restarted meanwhile, its poses mean something else now"
@@ -172,7 +193,7 @@ def judge(entry: Entry | None, problem: str, seen: Seen, parameters: TaskParamet
     return Recalled(entry)
 
 
-def _plain(entry: Entry, now: float) -> dict[str, Any]:
+def _plain(entry: Entry, now: float, boot: str) -> dict[str, Any]:
     return {
         "version": _VERSION,
         "session": entry.session,
@@ -183,6 +204,7 @@ def _plain(entry: Entry, now: float) -> dict[str, Any]:
         "nominal": entry.nominal,
         "supported": entry.supported,
         "written": now,
+        "boot": boot,
     }
 
 
@@ -193,9 +215,9 @@ def _plain_pose(pose: Pose) -> list[float]:
 def _entry(plain: dict[str, Any]) -> Entry:
     if plain["version"] != _VERSION:
         raise ValueError(f"version {plain['version']}")
-    session, supported = plain["session"], plain["supported"]
-    if not isinstance(session, int) or not isinstance(supported, bool):
-        raise TypeError("session or supported")
+    session, supported, boot = plain["session"], plain["supported"], plain["boot"]
+    if not isinstance(session, int) or not isinstance(supported, bool) or not isinstance(boot, str):
+        raise TypeError("session, supported or boot")
     return Entry(
         session=session,
         state=State(plain["state"]),
@@ -205,6 +227,7 @@ def _entry(plain: dict[str, Any]) -> Entry:
         nominal=_number(plain["nominal"]),
         supported=supported,
         written=_number(plain["written"]),
+        boot=boot,
     )
 
 

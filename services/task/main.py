@@ -7,15 +7,21 @@ from collections.abc import Sequence
 from services.task.parameters import TaskParameters
 from services.task.task import Task
 from shared.clock import SteadyClock, seconds
+from shared.config import settings
 from shared.process import run
 from shared.storage import default_folder
+
+NAME = "task"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run until SIGTERM; returns the exit status."""
+    given = None if arguments is None else list(arguments)
 
     def make(parameters: TaskParameters) -> Task:
         clock = SteadyClock()
-        return Task(parameters, lambda: seconds(clock.now_ns()), default_folder())
+        # A folder for each robot: what one of them holds means nothing to another.
+        folder = default_folder() / settings(NAME, TaskParameters, given).robot
+        return Task(parameters, lambda: seconds(clock.now_ns()), folder)
 
-    return run(make, TaskParameters, "task", None if arguments is None else list(arguments))
+    return run(make, TaskParameters, NAME, given)

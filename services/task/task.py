@@ -9,17 +9,20 @@ from typing import Any
 from services.task.detection import BadImage, Detector
 from services.task.faults import Present
 from services.task.geometry import Pose
-from services.task.journal import Journal, judge
+from services.task.grasp import SLIPPED_AFTER
+from services.task.journal import Journal, boot_id, judge
 from services.task.machine import Machine
 from services.task.marker import MarkerTracker
 from services.task.observe import Observer
 from services.task.outbox import Outbox
 from services.task.parameters import TaskParameters
 from services.task.states import Decision, Seen, State
+from services.task.timers import Held
+from shared.clock import seconds
 from shared.faults import Fault, FaultKind
 from shared.messages import Enable
 from shared.parameters import Parameters, Refused
-from shared.service import Inputs, Output, Wiring
+from shared.service import Inputs, Output, Reading, Wiring
 from shared.topics import (
     BASE_ENABLE,
     CONTROL_STATUS,
@@ -68,7 +71,9 @@ class Task:
             overrun_share=1.0,
         )
         self._now = now
-        self._journal = Journal(folder / "task" if folder else None)
+        self._boot = boot_id()
+        self._journal = Journal(folder / "task" if folder else None, self._boot)
+        self._lost = Held(SLIPPED_AFTER)
         self.machine = Machine(parameters)
         self._observer = Observer(parameters)
         self._tracker = MarkerTracker(parameters.marker_limits())
@@ -85,14 +90,9 @@ class Task:
         self._tracker.advance(dt)
         seen, faults = self._observer.look(inputs, self._tracker)
         self._height = float(seen.tool.position[2])
-        if not self.machine.ready:
-            if seen.gripper is None:
-                self.machine.reason = (
-                    "waiting for state/gripper: never received. Is the robot process running?"
-                )
-                yield from self._told(Decision(self.machine.reason), dt)
-                return
-            self._resume(seen)
+        if not self.machine.ready and not self._resume(seen, dt):
+            yield from self._told(Decision(self.machine.reason), dt)
+            return
         self._session = seen.session
         yield from self._told(self.machine.step(seen, faults, dt), dt)
         self._look(inputs)
@@ -132,12 +132,22 @@ class Task:
         """Why a restart would not know of the carry, if so."""
         return self._journal.problem
 
-    def _resume(self, seen: Seen) -> None:
+    def _resume(self, seen: Seen, dt: float) -> bool:
+        """Begin, once it is known whether the gripper holds something; false before."""
+        if seen.gripper is None:
+            self.machine.reason = "waiting for state/gripper. Is the robot process running?"
+            return False
         entry = self._journal.read(seen.session)
-        recalled = judge(entry, self._journal.problem, seen, self._settings, self._now())
+        lost = entry is not None and entry.session == seen.session and not seen.gripper.holding
+        if lost and not self._lost.update(True, dt):
+            # What was held a moment ago is not given up for the word of a single sample.
+            self.machine.reason = "waiting whether the gripper still holds the panel"
+            return False
+        recalled = judge(entry, self._journal.problem, seen, self._settings, self._now(), self._boot)
         self.machine.resume(recalled, seen)
         if recalled.entry is not None:
             self._outbox.target = recalled.entry.target
+        return True
 
     def _told(self, decision: Decision, dt: float) -> Iterator[Output]:
         machine = self.machine
@@ -167,7 +177,7 @@ class Task:
         except BadImage as problem:
             self._tracker.broken(str(problem))
             return
-        self._tracker.look(found, camera, reading.age)
+        self._tracker.look(found, camera, _age(reading, inputs[STATE_EE]))
 
     def _record(self, dt: float) -> None:
         """Keep the journal: once a second while something is held, and whenever what matters has changed."""
@@ -179,3 +189,14 @@ class Task:
             return
         self._journalled, self._journal_due = what, _JOURNAL_EVERY
         self._journal.write(self._session, entry, self._now())
+
+
+def _age(image: Reading, tool: Reading) -> float:
+    """Time [s] since an image was taken.
+
+    A reading's age is referred to the fastest message since the subscription began, so that a camera that lags all the
+    time would show the past as the present. Where one process publishes image and pose their stamps are of one clock.
+    """
+    if image.header.session != tool.header.session:
+        return image.age
+    return max(image.age, tool.age + seconds(tool.header.stamp - image.header.stamp))

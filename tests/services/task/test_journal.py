@@ -44,12 +44,16 @@ def test_nothing_held_removes_it(tmp_path: Path) -> None:
     assert journal.read(1) is None and not journal.problem
 
 
-def test_two_robots_do_not_mix_and_old_files_go(tmp_path: Path) -> None:
-    for session in range(20):
+def test_the_last_run_of_the_robot_is_found_and_goes_with_the_next_entry_or_without_one(
+    tmp_path: Path,
+) -> None:
+    for session in range(5):
         Journal(tmp_path).write(session, replace(ENTRY, session=session), 0.0)
-    again = Journal(tmp_path).read(3)
-    assert again is not None and again.session == 3
-    assert len(list(tmp_path.iterdir())) <= 8
+        assert [path.name for path in tmp_path.iterdir()] == [f"{session}.json"]
+    found = Journal(tmp_path).read(9)
+    assert found is not None and found.session == 4
+    Journal(tmp_path).write(9, None, 0.0)
+    assert not list(tmp_path.iterdir()), "a carry that is over does not come back"
 
 
 def torn(change: Callable[[dict], object]) -> Callable[[str], str]:
@@ -84,7 +88,7 @@ def test_torn_is_refused_with_the_reason(tmp_path: Path, name: str) -> None:
     assert journal.read(1) is None and "torn" in journal.problem
     machine = Machine(SETTINGS)
     machine.resume(judge(None, journal.problem, seen(), SETTINGS, 0.0), seen())
-    assert machine.state is State.HOLDING and machine.grip and "torn" in machine.reason
+    assert machine.state is State.HOLDING and machine.fingers.hold and "torn" in machine.reason
     machine.resume(judge(None, journal.problem, seen(EMPTY), SETTINGS, 0.0), seen(EMPTY))
     assert machine.state is State.IDLE and "torn" in machine.reason
 
@@ -145,7 +149,7 @@ def test_in_the_middle_of_carrying_it_goes_on(state: State) -> None:
     machine = Machine(SETTINGS)
     recalled = judge(replace(ENTRY, state=state), "", seen(), SETTINGS, 110.0)
     machine.resume(recalled, seen())
-    assert machine.state is State.CARRYING and machine.grip
+    assert machine.state is State.CARRYING and machine.fingers.hold
     decision = machine.step(Toy().seen(gripper=FULL, tool=ENTRY.target), (), 0.02)
     assert decision.target.near(ENTRY.target, 0.051, 0.01) and decision.nominal == -7.0
     assert decision.gripper is not None and decision.gripper.opening == 0.0
@@ -158,6 +162,7 @@ HELD = {
     "robot restarted": ({}, {"session": 2}, 110.0, "robot was restarted"),
     "old": ({}, {}, 221.0, "121 s old, allowed are 120 s"),
     "before a reboot": ({}, {}, 50.0, "before a reboot"),
+    "before a reboot, by its name": ({"boot": "another"}, {}, 110.0, "before a reboot"),
     "another panel": ({"mass": 2.0}, {}, 110.0, "2 kg, panel_mass is 1.5 kg"),
 }
 
@@ -168,11 +173,12 @@ def test_otherwise_a_full_gripper_is_held_where_it_is(name: str) -> None:
     sight = seen(**now_seen)
     machine = Machine(SETTINGS)
     machine.resume(judge(replace(ENTRY, **entry), "", sight, SETTINGS, now), sight)
-    assert machine.state is State.HOLDING and machine.grip
+    assert machine.state is State.HOLDING and machine.fingers.hold
     assert words in machine.reason, machine.reason
     decision = machine.step(sight, (), 0.02)
     assert decision.target.near(sight.tool, 1e-9, 1e-7)
     assert decision.gripper is not None and decision.gripper.opening == 0.0
+    assert machine.command("start") is State.CARRYING
 
 
 def test_held_after_a_restart_it_is_turned_as_far_as_it_was() -> None:
@@ -199,7 +205,7 @@ def test_an_abort_before_it_is_ready_is_not_undone_by_the_journal() -> None:
     machine.resume(judge(ENTRY, "", seen(), SETTINGS, 110.0), seen())
     assert machine.state is State.HOLDING and "aborted" in machine.reason
     decision = machine.step(seen(), (), 0.02)
-    assert not decision.base and decision.nominal == -7.0 and machine.grip
+    assert not decision.base and decision.nominal == -7.0 and machine.fingers.hold
     assert machine.command("start") is State.CARRYING
     assert machine.step(seen(), (), 0.02).base
 
@@ -208,6 +214,6 @@ def test_an_abort_before_it_is_ready_is_not_undone_by_the_journal() -> None:
 def test_with_an_empty_gripper_it_is_refused(session: int) -> None:
     machine, sight = Machine(SETTINGS), seen(EMPTY, session)
     machine.resume(judge(ENTRY, "", sight, SETTINGS, 110.0), sight)
-    assert machine.state is State.IDLE and not machine.grip
+    assert machine.state is State.IDLE and not machine.fingers.hold
     assert "the gripper holds nothing now" in machine.reason
     assert machine.step(sight, (), 0.02).target is None

@@ -165,7 +165,9 @@ def test_killed_and_restarted_while_carrying(
 
     def journalled() -> bool:
         # Written once a second: a restart goes by it, and not by what the tool did since.
-        kept = [json.loads(path.read_text()) for path in (tmp_path / "tandem" / "task").glob("*.json")]
+        kept = [
+            json.loads(path.read_text()) for path in (tmp_path / "tandem" / "tiago" / "task").glob("*.json")
+        ]
         target = around.robot.last(CONTROL_TARGET)
         return any(np.allclose(entry["target"][:3], target.position, atol=0.01) for entry in kept)
 
