@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from services.task.geometry import Pose, outside
+from services.task.geometry import Pose, outside, steep
 from services.task.grasp import GraspWatch, doubts
 from services.task.parameters import TaskParameters
-from services.task.states import Decision, Grip, Seen, State
+from services.task.states import Decision, Seen, State
 from services.task.timers import Held
 
 _STILL = 0.02  # [m/s, rad/s]
@@ -20,9 +20,6 @@ _ASTRAY = 0.05
 _LAG = 0.1
 """Largest distance [m] of the target ahead of the tool: what is in the way is pressed no harder by waiting longer."""
 _THERE, _THERE_ANGLE = 0.01, 0.05  # [m], [rad]
-
-OPEN_AFTER = 0.3
-"""Time [s] for which the gripper has to say that it is open."""
 
 
 class Approach:
@@ -64,8 +61,8 @@ class Approach:
         head = (pan, settings.head_tilt)
         if seen.marker is None:
             reason = seen.doubt.sentence if seen.doubt else "looking for the marker"
-        elif far := outside((seen.marker @ self._offset).position, settings.reach_low, settings.reach_high):
-            reason = f"the panel's grip is out of reach: {far}; move the panel or the robot"
+        elif problem := self._ungraspable(seen.marker @ self._offset):
+            reason = f"{problem}; move the panel or the robot"
         else:
             self._way = 0.0
             return Decision("going to the panel", self._rest, head=head, after=State.APPROACHING)
@@ -79,9 +76,9 @@ class Approach:
         assert seen.marker is not None, "approaching without a fresh marker pose"
         self._pass(dt)
         grasp = seen.marker @ self._offset
-        if far := outside(grasp.position, settings.reach_low, settings.reach_high):
+        if problem := self._ungraspable(grasp):
             after = State.HOLDING if self._exhausted else State.SEARCHING
-            return Decision(f"the panel's grip moved out of reach: {far}", seen.tool, after=after)
+            return Decision(f"the panel was moved: {problem}", seen.tool, after=after)
         ahead = grasp.rotation.T @ (grasp.position - seen.tool.position)
         sideways, angle = float(np.linalg.norm(ahead[1:])), grasp.angle(seen.tool)
         left = settings.standoff - self._way
@@ -104,15 +101,23 @@ class Approach:
 
     def grasp(self, seen: Seen, dt: float) -> Decision:
         """Close; carrying begins a second after width, effort and the gripper's word agree (CARRY 4)."""
-        settings = self._settings
         self._time += dt
-        close = closing(settings)
-        reasons = ["state/gripper is silent"] if seen.gripper is None else self._doubts(seen)
+        reasons = grasp_doubts(seen, self._settings)
         if self._watch.settled(reasons, dt):
-            return Decision("lift the panel", seen.tool, gripper=close, after=State.CARRYING)
-        if reasons and self._time > settings.grasp_patience:
+            return Decision("lift the panel", seen.tool, after=State.CARRYING)
+        if reasons and self._time > self._settings.grasp_patience:
             return Decision(f"the grasp failed: {', '.join(reasons)}", self._rest, after=State.HOLDING)
-        return Decision(f"closing the gripper: {', '.join(reasons) or 'it holds'}", self._rest, gripper=close)
+        return Decision(f"closing the gripper: {', '.join(reasons) or 'it holds'}", self._rest)
+
+    def _ungraspable(self, grasp: Pose) -> str:
+        """Why the tool cannot get to a grasp, or a panel not be carried from there; empty if all is well."""
+        if far := outside(grasp.position, self._settings.reach_low, self._settings.reach_high):
+            return f"the panel's grip is out of reach: {far}"
+        if tilted := steep(grasp):
+            return f"the panel lies too steep: {tilted}"
+        if grasp.rotation[0, 0] < 0.0:
+            return "the panel's grip is on its far side"
+        return ""
 
     def _pass(self, dt: float) -> None:
         self._time += dt
@@ -123,24 +128,9 @@ class Approach:
         """Whether searching and approaching have taken turns for longer than each may take."""
         return self._total > self._settings.search_patience + self._settings.move_patience
 
-    def _doubts(self, seen: Seen) -> list[str]:
-        settings = self._settings
-        assert seen.gripper is not None
-        return doubts(seen.gripper, settings.panel_thickness, settings.grasp_width, settings.grasp_effort)
 
-
-def closing(parameters: TaskParameters) -> Grip:
-    """The command that closes, and keeps closed."""
-    return Grip(0.0, parameters.gripper_effort)
-
-
-def opening(parameters: TaskParameters) -> Grip:
-    """The command that opens."""
-    return Grip(parameters.gripper_open, parameters.gripper_effort)
-
-
-def is_open(seen: Seen, parameters: TaskParameters) -> bool:
-    """Whether the gripper is open and says that it holds nothing."""
-    gripper = seen.gripper
-    wide = parameters.panel_thickness + parameters.grasp_width / 2
-    return gripper is not None and gripper.opening >= wide and not gripper.holding
+def grasp_doubts(seen: Seen, parameters: TaskParameters) -> list[str]:
+    """Why the gripper may not hold the panel, in words; empty if it does."""
+    if seen.gripper is None:
+        return ["state/gripper is silent"]
+    return doubts(seen.gripper, parameters.panel_thickness, parameters.grasp_width, parameters.grasp_effort)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from services.task.approach import OPEN_AFTER, closing, is_open, opening
+from services.task.fingers import Fingers
 from services.task.geometry import Pose, roll_since
 from services.task.level import LevelAssist, unlevel
 from services.task.nominal import NominalWrench
 from services.task.parameters import TaskParameters
-from services.task.release import ReleaseJudge, Stance, why_no_probe, why_no_release
+from services.task.release import RELEASE_FORCE, ReleaseJudge, Stance, why_no_probe, why_no_release
 from services.task.states import Decision, Seen, State
 from services.task.target import carrying_target, standing_target
 from services.task.timers import Held
@@ -22,25 +22,31 @@ class Carry:
 
     Args:
         parameters: of the task.
+        fingers: that hold the panel.
         home: the tool when the grasp was finished; x, y and yaw of it are the target's.
         height: of the target at first [m].
         nominal: what the robot carries already.
     """
 
     def __init__(
-        self, parameters: TaskParameters, home: Pose, height: float, nominal: NominalWrench | None = None
+        self,
+        parameters: TaskParameters,
+        fingers: Fingers,
+        home: Pose,
+        height: float,
+        nominal: NominalWrench | None = None,
     ) -> None:
         self._settings = parameters
+        self._fingers = fingers
         self.home = home
         self.nominal = nominal or NominalWrench(parameters.half_weight)
         self._level = LevelAssist(parameters.level_assist, height)
         self._judge = ReleaseJudge()
-        self._opened = Held(OPEN_AFTER)
         self._standing = Held(_STUCK_AFTER)
         self.asked = False
         """A person said that the panel is to be let go where it is."""
-        self.opening = False
-        """The gripper opens: nothing holds the panel any more."""
+        self.letting_go = False
+        """The gripper opens, or has: nothing holds the panel any more."""
         self._time = 0.0
         self._end: Pose | None = None
         self._place: Pose | None = None
@@ -55,20 +61,18 @@ class Carry:
         stance = self._stance(seen)
         probe = self._judge.may_probe(stance, dt)
         if self.nominal.supported and probe:
-            return Decision(
-                "setting the panel down", target, force, after=State.RELEASING, gripper=closing(settings)
-            )
+            return Decision("setting the panel down", target, force, after=State.RELEASING)
         if not self.nominal.supported:
-            carried = f"the robot carries {-min(0.0, seen.force):.1f} of {settings.half_weight:.1f} N"
-            reason = f"lift the panel{settings.warning}: {carried}"
+            carried = f"the robot carries {max(0.0, -seen.force):.1f} of {settings.half_weight:.1f} N"
+            reason = f"lift the panel: {carried}"
         else:
             missing = ", ".join(why_no_probe(stance)) or "about to stand"
             reason = f"carrying; to be set down: {missing}{self._stuck(seen, dt)}"
-        return Decision(reason, target, force, base=True, gripper=closing(settings))
+        return Decision(f"{reason}{settings.warning}", target, force, base=True)
 
     def release(self, seen: Seen, dt: float) -> Decision:
         """Set down gently until the ground carries the panel, then open (CARRY 5)."""
-        if self.opening:
+        if self.letting_go:
             return self._open(seen, dt)
         settings = self._settings
         force = self.nominal.fade(dt) if settings.release_ramp else self.nominal.force
@@ -79,34 +83,33 @@ class Carry:
         if not self.asked and self._judge.has_to_leave(stance):
             self._level.height = float(seen.tool.position[2])
             missing = ", ".join(why_no_probe(stance))
-            return Decision(
-                f"carrying on: {missing}", target, force, after=State.CARRYING, gripper=closing(settings)
-            )
+            return Decision(f"carrying on: {missing}", target, force, after=State.CARRYING)
         missing_now = why_no_release(stance, self._judge.force)
         if self.asked:
             reason = (
-                f"letting go as asked once the robot carries less than 2.5 N, now {-self._judge.force:.1f} N; "
+                f"letting go as asked once the robot carries less than {-RELEASE_FORCE:g} N, "
+                f"now {max(0.0, -self._judge.force):.1f} N; "
                 "`release` again opens at once"
             )
         else:
             reason = f"setting down: {', '.join(missing_now) or 'it stands'}{self._stuck(seen, dt)}"
-        return Decision(reason, target, force, gripper=closing(settings))
+        return Decision(reason, target, force)
 
     def let_go(self, seen: Seen) -> Decision:
         """Open from now on."""
-        self.opening, self._end, self._time = True, seen.tool, 0.0
-        return Decision("opening the gripper", seen.tool, gripper=opening(self._settings))
+        self.letting_go, self._end, self._time = True, seen.tool, 0.0
+        self._fingers.open()
+        return Decision("opening the gripper", seen.tool)
 
     def _open(self, seen: Seen, dt: float) -> Decision:
         self._time += dt
-        command = opening(self._settings)
-        if self._opened.update(is_open(seen, self._settings), dt):
+        if self._fingers.opened(seen.gripper, dt):
             assert self._end is not None
             self._end, self._time = self._end.shifted(-self._settings.standoff), 0.0
             return Decision("going back", seen.tool, after=State.RETREATING)
         if self._time > self._settings.grasp_patience:
             return Decision("the gripper does not open: look at it", seen.tool, after=State.HOLDING)
-        return Decision("opening the gripper", self._end, gripper=command)
+        return Decision("opening the gripper", self._end)
 
     def retreat(self, seen: Seen, dt: float) -> Decision:
         """Straight back along the tool's x axis."""
@@ -148,7 +151,7 @@ class Carry:
         return Stance(
             roll=roll_since(self.home, seen.tool),
             pitch=float(seen.tool.rpy[1]),
-            height=float(seen.tool.position[2]) - self._settings.half_width,
+            height=float(seen.tool.position[2]) - self._settings.standing_height,
             speed=seen.speed,
             turning=seen.turning,
             force=seen.force,

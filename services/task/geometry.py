@@ -19,6 +19,8 @@ from shared.spatial import (
 )
 
 QUARTER = math.pi / 2
+STEEPEST = math.radians(30.0)
+"""Largest pitch [rad] of a tool whose roll still means how far a panel in it is turned."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,3 +106,16 @@ def outside(position: Array, low: Sequence[float], high: Sequence[float]) -> str
         if not least <= value <= most:
             return f"{name} is {value:.2f} m, within reach is {least:g} to {most:g} m"
     return ""
+
+
+def steep(tool: Pose) -> str:
+    """By how much the tool points too far up or down for a panel to be carried, and the limit; empty if it does not."""
+    pitch = float(tool.rpy[1])
+    if abs(pitch) <= STEEPEST:
+        return ""
+    where = "down" if pitch > 0.0 else "up"
+    return f"the tool points {where} by {_deg(abs(pitch))} degrees, allowed are {_deg(STEEPEST)}"
+
+
+def _deg(angle: float) -> str:
+    return f"{math.degrees(angle):.0f}"

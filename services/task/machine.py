@@ -6,17 +6,17 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from services.task.approach import OPEN_AFTER, Approach, closing, is_open, opening
+from services.task.approach import Approach
 from services.task.carry import Carry
 from services.task.commands import ABORTED, Commands
 from services.task.faults import Kind, Present
+from services.task.fingers import Fingers
 from services.task.geometry import Pose, roll_since
 from services.task.grasp import GraspWatch
 from services.task.journal import Entry, Recalled
 from services.task.nominal import NominalWrench
 from services.task.parameters import TaskParameters
-from services.task.states import HELD, Decision, Grip, Seen, State, patience
-from services.task.timers import Held
+from services.task.states import HELD, Decision, Seen, State, patience
 
 
 class Machine(Commands):
@@ -26,7 +26,7 @@ class Machine(Commands):
         state: of the task.
         since: time [s] in it.
         reason: one sentence: what it does or waits for.
-        grip: whether the gripper holds something, as far as is known; it opens in ``releasing`` and ``idle`` only.
+        fingers: what the gripper is told; they open in ``releasing`` and ``idle`` only.
         ready: false until a restart has been judged by ``resume``.
     """
 
@@ -35,17 +35,16 @@ class Machine(Commands):
         self.state = State.IDLE
         self.since = 0.0
         self.reason = "waiting for the robot's state"
-        self.grip = False
+        self.fingers = Fingers(parameters)
         self.ready = False
         self._approach: Approach | None = None
         self._carry: Carry | None = None
         self._rest: Pose | None = None
+        self._session = 0
         self._cause: Present | None = None
         self._waited = 0.0
-        self._stay: Grip | None = None
-        self._interrupted = False
-        self._aborted = self._opening = self._starting = False
-        self._opened = Held(OPEN_AFTER)
+        self._asked_at = 0.0
+        self._aborted = self._starting = False
         self._watch = GraspWatch()
         self._seen: Seen | None = None
         self._faults: Sequence[Present] = ()
@@ -56,16 +55,17 @@ class Machine(Commands):
         Somebody who has aborted already finds it holding, with what the journal says of the carry.
         """
         assert seen.gripper is not None
-        self.ready, self._seen, entry = True, seen, recalled.entry
-        self.grip = seen.gripper.holding
+        self.ready, self._seen, self._session, entry = True, seen, seen.session, recalled.entry
+        self.fingers.close(hold=seen.gripper.holding)
         if entry is not None and entry.state in (State.CARRYING, State.RELEASING):
             self._carry = self._recalled_carry(entry, entry.home)
             self._go(State.CARRYING, "carrying on after a restart", seen)
-        elif self.grip:
+        elif self.fingers.hold:
             kept = recalled.kept
             self._carry = self._recalled_carry(kept, seen.tool.rolled_as(kept.home)) if kept else None
             what = recalled.reason or "no journal says what it is"
-            self._go(State.HOLDING, f"the gripper holds something: {what}; `start` or `release`", seen)
+            remedy = "`start` or `release`" if kept else "`release` lets it go"
+            self._go(State.HOLDING, f"the gripper holds something: {what}; {remedy}", seen)
         else:
             self._go(State.IDLE, recalled.reason or "ready: `tandem task start`", seen)
         if self._aborted:
@@ -74,7 +74,7 @@ class Machine(Commands):
     def entry(self, target: Pose | None) -> Entry | None:
         """What a restart has to know; None while nothing is held."""
         seen = self._seen
-        if not self.grip or seen is None:
+        if not self.fingers.hold or seen is None:
             return None
         carry = self._carry
         return Entry(
@@ -101,14 +101,18 @@ class Machine(Commands):
             dt: time [s] since the last one.
         """
         self.since += dt
+        if seen is not None:
+            self.fingers.look(seen.gripper)
+            if seen.session != self._session:
+                # Where the robot stood in its last run is not gone back to.
+                self._session, self._rest = seen.session, seen.tool
         self._seen, self._faults = seen, self._with_grip(seen, faults, dt)
         decision = self._react(dt) or self._work(dt)
-        if decision.base and seen is not None and not seen.guarded:
-            decision = replace(decision, base=False)
         self.reason = decision.reason
         if decision.after is not None:
             self._go(decision.after, decision.reason, seen)
-        return decision
+        follows = decision.base and seen is not None and seen.guarded
+        return replace(decision, base=follows, gripper=self.fingers.command)
 
     def _react(self, dt: float) -> Decision | None:
         """Stand still for a fault that concerns the state, and hold when it has lasted too long."""
@@ -134,7 +138,6 @@ class Machine(Commands):
             f"waiting: {fault.sentence}{way_out}",
             self._rest,
             self._nominal(),
-            gripper=self._kept(),
             head=head,
         )
 
@@ -143,7 +146,7 @@ class Machine(Commands):
         limit = patience(self.state, kind, self._settings)
         if self.state is not State.RELEASING or self._carry is None or kind in (Kind.STOPPED, Kind.LOST):
             return limit
-        if self._carry.opening:
+        if self._carry.letting_go:
             # What has been let go cannot be held for a fault of what held it.
             return None
         if self._asked and limit is not None:
@@ -165,11 +168,10 @@ class Machine(Commands):
             return Decision(self.reason)
         if self.state is State.HOLDING:
             self._rest = self._rest or seen.tool
-            self._stop_opening(seen)
             if carry is not None and self._loose:
                 # What the tool does not carry any more, the limits must not be centred on.
                 carry.nominal.fade(dt)
-            return Decision(self._why_held(), self._rest, self._nominal(), gripper=self._kept())
+            return Decision(self._why_held(), self._rest, self._nominal())
         steps = (
             {}
             if approach is None
@@ -186,10 +188,7 @@ class Machine(Commands):
                 State.RELEASING: carry.release,
                 State.RETREATING: carry.retreat,
             }
-        decision = steps[self.state](seen, dt)
-        if carry is not None and carry.opening:
-            self.grip = False
-        return decision
+        return steps[self.state](seen, dt)
 
     def _why_held(self) -> str:
         """The reason as long as it lasts, then what to do."""
@@ -199,57 +198,47 @@ class Machine(Commands):
         if cause is None or any(fault.name == cause.name for fault in self._faults):
             return self.reason
         self._cause = None
-        remedy = "`start` carries on, `release` lets go" if self.grip else "`reset` begins anew"
+        remedy = "`start` carries on, `release` lets go" if self.fingers.hold else "`reset` begins anew"
         return f"{remedy}; it held because {cause.sentence.partition(': `')[0]}"
 
     def _idle(self, seen: Seen, dt: float) -> Decision:
-        if not self._opening:
+        fingers = self.fingers
+        if not fingers.opening:
             return Decision(self.reason)
         if stopped := self._stopped:
-            self._opening = False
+            fingers.stop(seen.gripper)
             cause = stopped.sentence.partition(": `")[0]
-            return Decision(
-                f"the opening was broken off ({cause}): ask for it again", gripper=self._still(seen)
-            )
-        self.grip = False
-        command = opening(self._settings)
-        if self._opened.update(is_open(seen, self._settings), dt):
-            self._opening = False
+            return Decision(f"the opening was broken off ({cause}): ask for it again")
+        if fingers.opened(seen.gripper, dt):
             if self._starting:
                 return Decision("feeling whether the tool is free", seen.tool, after=State.CALIBRATING)
-            return Decision("the gripper is open", gripper=command)
+            return Decision("the gripper is open")
         if self.since > self._settings.grasp_patience:
-            self._opening = False
+            fingers.stop(seen.gripper)
             return Decision("the gripper does not open: look at it, then `start` again")
-        return Decision("opening the gripper", gripper=command)
+        return Decision("opening the gripper")
 
     def _go(self, state: State, reason: str, seen: Seen | None) -> None:
         before, self.state, self.since, self.reason, self._waited = self.state, state, 0.0, reason, 0.0
         self._cause = self._cause if state is State.HOLDING else None
         self._rest = seen.tool if seen else None
-        opening = self._opening or (
-            before is State.RELEASING and self._carry is not None and self._carry.opening
-        )
-        self._interrupted, self._stay = opening and state is State.HOLDING, None
-        self._opening = False
-        if seen is not None:
-            self._stop_opening(seen)
+        self.fingers.stop(seen.gripper if seen else None)
         if state is State.CALIBRATING and seen is not None:
             self._approach, self._carry = Approach(self._settings, seen.tool), None
         elif state is State.GRASPING:
-            self.grip = True
+            self.fingers.close()
         elif state is State.CARRYING and before is State.GRASPING and seen is not None:
-            self._carry = Carry(self._settings, seen.tool, float(seen.tool.position[2]))
+            self._carry = Carry(self._settings, self.fingers, seen.tool, float(seen.tool.position[2]))
         if self._approach is not None and seen is not None:
             self._approach.enter(seen.tool)
 
     def _recalled_carry(self, entry: Entry, home: Pose) -> Carry:
         nominal = NominalWrench(self._settings.half_weight, entry.nominal, entry.supported)
-        return Carry(self._settings, home, float(entry.target.position[2]), nominal)
+        return Carry(self._settings, self.fingers, home, float(entry.target.position[2]), nominal)
 
     def _with_grip(self, seen: Seen | None, faults: Sequence[Present], dt: float) -> Sequence[Present]:
         """The faults, with those of the grip while the panel is held."""
-        if self._carry is None or not self.grip or self.state not in HELD:
+        if self._carry is None or not self.fingers.hold or self.state not in HELD:
             self._watch.forget()
             return faults
         grip = [Present("slipped")] if self._watch.slipped(seen.gripper if seen else None, dt) else []
@@ -261,20 +250,5 @@ class Machine(Commands):
     def _loose(self) -> Present | None:
         return next((fault for fault in self._faults if fault.kind is Kind.LOOSE), None)
 
-    def _stop_opening(self, seen: Seen) -> None:
-        """Have the fingers stay that were opening when it began to hold; what they hold still, they go on holding."""
-        if self._interrupted and seen.gripper is not None:
-            self._interrupted = False
-            self.grip = seen.gripper.holding
-            self._stay = self._still(seen)
-
-    def _still(self, seen: Seen) -> Grip | None:
-        """The command to fingers to stay where they are."""
-        gripper = seen.gripper
-        return Grip(max(0.0, gripper.opening), self._settings.gripper_effort) if gripper else None
-
     def _nominal(self) -> float:
-        return self._carry.nominal.force if self._carry and self.grip else 0.0
-
-    def _kept(self) -> Grip | None:
-        return closing(self._settings) if self.grip else self._stay
+        return self._carry.nominal.force if self._carry and self.fingers.hold else 0.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from services.task.faults import Present
+from services.task.faults import Kind, Present
 from services.task.geometry import Pose
 from services.task.marker import MarkerTracker
 from services.task.parameters import TaskParameters
@@ -55,7 +55,7 @@ class Observer:
         ]
         wrench, gripper = inputs.get(WRENCH_EXTERNAL), inputs.get(STATE_GRIPPER)
         robot = inputs.get(STATE_ROBOT)
-        numb = any(fault.name.startswith("wrench") for fault in faults)
+        numb = any(fault.kind is Kind.NUMB for fault in faults)
         fresh = gripper is not None and gripper.header.valid and gripper.age <= STATE_GRIPPER.max_age
         message = tool.message
         seen = Seen(

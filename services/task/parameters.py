@@ -76,7 +76,7 @@ class TaskParameters(Parameters):
         0.6, unit="m", minimum=0.1, maximum=2.0, doc="height of the panel when it stands turned on the ground"
     )
     panel_thickness: float = parameter(0.05, unit="m", minimum=0.002, maximum=0.1, doc="between the fingers")
-    panel_mass: float = parameter(1.5, unit="kg", minimum=0.0, maximum=10.0, doc="m; the robot carries half")
+    panel_mass: float = parameter(1.5, unit="kg", minimum=0.05, maximum=10.0, doc="m; the robot carries half")
     ground_height: float = parameter(
         0.0, unit="m", minimum=-0.5, maximum=1.0, doc="of the ground under the panel, in base, to 4 cm"
     )
@@ -207,20 +207,18 @@ class TaskParameters(Parameters):
         alone = self.half_weight * self.panel_length
         if alone <= self.grip_torque:
             return ""
-        return (
-            f" and do not let go of it before it stands: its {alone:.0f} Nm would tear it out of the gripper"
-        )
+        return f"; do not let go of the panel before it stands: its {alone:.0f} Nm would tear it out of the gripper"
 
     @property
-    def half_width(self) -> float:
+    def standing_height(self) -> float:
         """Height [m] in base of the tool when the turned panel stands on the ground."""
         return self.ground_height + self.panel_width / 2
 
     def impossible(self) -> str:
         """Why the panel could never be set down (CARRY 3), empty if it can."""
-        if self.half_width < self.reach_down:
+        if self.standing_height < self.reach_down:
             return (
-                f"the turned panel stands with the gripper at {self.half_width:.2f} m, which is below reach_down, "
+                f"the turned panel stands with the gripper at {self.standing_height:.2f} m, which is below reach_down, "
                 f"{self.reach_down:g} m: carry one that is at least {2 * (self.reach_down - self.ground_height):.2f} m "
                 "wide"
             )

@@ -58,8 +58,14 @@ class Seen:
 
     @property
     def force(self) -> float:
-        """External force along base z [N]; the states that ask are left while it is not known."""
-        return 0.0 if self.wrench is None else float(self.wrench[2])
+        """External force along base z [N].
+
+        Raises:
+            ValueError: it is not known. The states that ask wait for it; zero would be what lets a panel go.
+        """
+        if self.wrench is None:
+            raise ValueError("the external wrench is not known")
+        return float(self.wrench[2])
 
 
 @dataclass(frozen=True)

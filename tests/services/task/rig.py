@@ -11,7 +11,7 @@ from services.task.task import Task
 from shared.client import Client
 from shared.clock import nanoseconds
 from shared.stack import Stack
-from shared.topics import CONTROL_TARGET, TASK_COMMAND
+from shared.topics import CONTROL_TARGET, SENSOR_CAMERA, TASK_COMMAND
 from tests.services.task.robot import TICK, Robot
 
 
@@ -25,6 +25,8 @@ class Rig:
         self.robot = Robot(self.stack.client.watch, self.settings)
         self.publisher = Client(self.stack.bus, self.stack.scheduler.clock)
         self.leads = True
+        self.lag = 0.0
+        """Time [s] since the images were taken that the camera sends now."""
         self._ticks = 0
         self.start_task()
         self.stack.scheduler.soon(self._tick)
@@ -46,7 +48,10 @@ class Rig:
         if self.leads:
             self.robot.person()
         for topic, message, valid in self.robot.tick(self._ticks):
-            self.publisher.publish(topic, message, valid)
+            taken = self.stack.scheduler.clock.now_ns() - nanoseconds(
+                self.lag if topic is SENSOR_CAMERA else 0.0
+            )
+            self.publisher.publish(topic, message, valid, taken)
         self._ticks += 1
         self.stack.scheduler.at(self.stack.scheduler.clock.now_ns() + nanoseconds(TICK), self._tick)
 

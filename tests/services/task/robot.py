@@ -54,6 +54,7 @@ class Robot:
         number: of that marker.
         frozen: whether the camera sends one image again and again, under fresh stamps.
         valid: whether images are marked as valid.
+        denies: whether the gripper says that it holds nothing, whatever it does.
         received: every message of each key that the task publishes.
     """
 
@@ -71,7 +72,7 @@ class Robot:
         self.shown: Pose | None = MARKER
         self.number = self.toy.parameters.marker_id
         self.received: dict[str, list[Received]] = {topic.key: [] for topic in self.OUTPUTS}
-        self.frozen, self.valid = False, True
+        self.frozen, self.valid, self.denies = False, True, False
         self._sent: CameraImage | None = None
         self._pictures = 0
         self._images: dict[tuple, CameraImage] = {}
@@ -108,7 +109,8 @@ class Robot:
             messages.append((WRENCH_EXTERNAL, felt, not self.wrench_fault))
             messages.append((CONTROL_STATUS, self._status(), True))
         if number % 5 == 0:
-            messages.append((STATE_GRIPPER, toy.gripper, True))
+            gripper = replace(toy.gripper, holding=False) if self.denies else toy.gripper
+            messages.append((STATE_GRIPPER, gripper, True))
         if number % 20 == 0:
             robot = RobotStatus(self.mode, "", "omni", True, 0.3, 1.0, np.array((0.5, 0.5, 0.5)))
             messages.append((STATE_ROBOT, robot, True))
@@ -136,7 +138,10 @@ class Robot:
             toy.roll_rate = 0.4
 
     def _obey(self) -> None:
-        target, grip = self.last(CONTROL_TARGET), self.last(COMMAND_GRIPPER)
+        # As a controller does: a target that is marked invalid is none.
+        targets = (received for received in reversed(self.received[CONTROL_TARGET.key]))
+        target = next((received.message for received in targets if received.header.valid), None)
+        grip = self.last(COMMAND_GRIPPER)
         moves = target is not None and not self.braking and not self.wrench_fault
         self.toy.target = Pose.of(target.position, target.orientation) if moves else None
         if grip is not None:

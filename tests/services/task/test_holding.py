@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from services.task.faults import Present
+from services.task.geometry import Pose
 from services.task.states import State
 from services.task.target import LEEWAY
 from shared.messages import GripperState
@@ -22,6 +24,17 @@ def lifted(**parameters: object) -> Play:
     play = Play(**parameters).reach(State.CARRYING)
     play.toy.lifted = True
     play.run(2.0)
+    return play
+
+
+def opened_by_word() -> Play:
+    """While a person's second word has just begun to open the gripper."""
+    play = lifted()
+    play.machine.command("release")
+    play.run(0.6)
+    play.machine.command("release")
+    play.tick()
+    assert play.toy.wanted > 0.0
     return play
 
 
@@ -67,12 +80,7 @@ def test_no_fault_of_a_sensor_keeps_the_panel_from_who_asks_twice(name: str, fir
 @pytest.mark.parametrize("cause", ["stop", "abort"])
 @pytest.mark.parametrize("held", [True, False])
 def test_an_opening_that_is_interrupted_stops(cause: str, held: bool) -> None:
-    play = lifted()
-    play.machine.command("release")
-    play.run(0.1)
-    play.machine.command("release")
-    play.tick()
-    assert play.toy.wanted > 0.0
+    play = opened_by_word()
     if not held:
         play.run(0.2)
     # The toy lets go with the first tenth of a millimetre; the fingers of a robot press on foam.
@@ -84,7 +92,7 @@ def test_an_opening_that_is_interrupted_stops(cause: str, held: bool) -> None:
         play.machine.command("abort")
     where = play.toy.opening
     play.tick()
-    assert play.state is State.HOLDING and play.machine.grip == held
+    assert play.state is State.HOLDING and play.machine.fingers.hold == held
     assert play.toy.wanted == (0.0 if held else pytest.approx(where, abs=0.003))
     play.faults = []
     play.run(2.0)
@@ -101,10 +109,7 @@ def test_an_opening_that_is_interrupted_stops(cause: str, held: bool) -> None:
 
 
 def test_an_opening_that_is_interrupted_stops_once_the_gripper_is_known() -> None:
-    play = lifted()
-    for _ in range(2):
-        play.machine.command("release")
-    play.tick()
+    play = opened_by_word()
     play.changed = {"gripper": None}
     play.tick()
     play.machine.command("abort")
@@ -114,7 +119,7 @@ def test_an_opening_that_is_interrupted_stops_once_the_gripper_is_known() -> Non
         play.machine.command("reset")
     play.changed = {"gripper": GripperState(0.05, 9.0, True)}
     play.tick()
-    assert play.machine.grip and play.decision.gripper.opening == 0.0
+    assert play.machine.fingers.hold and play.decision.gripper.opening == 0.0
 
 
 def test_abort_stops_fingers_that_open_in_idle() -> None:
@@ -199,3 +204,24 @@ def test_a_silent_gripper_stops_the_base_and_is_waited_for() -> None:
     play.run(1.0)
     assert play.state is State.HOLDING and "state/gripper" in play.machine.reason
     assert play.decision.gripper is not None and play.decision.gripper.opening == 0.0
+
+
+def test_a_robot_that_was_restarted_meanwhile_is_not_sent_back() -> None:
+    play = lifted()
+    play.machine.command("abort")
+    play.run(0.5)
+    elsewhere = Pose(play.toy.tool.position + np.array((0.0, 0.1, 0.25)), play.toy.tool.rotation)
+    play.toy.tool, play.toy.session = elsewhere, 2
+    assert play.tick().target.near(elsewhere, 1e-9, 1e-9)
+    play.run(2.0)
+    assert play.state is State.HOLDING and play.toy.tool.near(elsewhere, 0.005, 0.01)
+
+
+def test_a_tool_that_points_down_is_not_carried_on_with() -> None:
+    play = lifted()
+    play.machine.command("abort")
+    play.tick()
+    play.changed = {"tool": play.toy.tool @ Pose.from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, math.radians(40)))}
+    play.tick()
+    with pytest.raises(Refused, match=r"the tool points (up|down) by 40 degrees, allowed are 30"):
+        play.machine.command("start")

@@ -22,7 +22,7 @@ def test_a_whole_carry() -> None:
     assert play.opened_in == {State.IDLE, State.RELEASING}
     assert not play.toy.gripped and play.toy.opening > 0.05
     assert play.machine.rotation == pytest.approx(math.pi / 2, abs=0.3)
-    assert play.toy.tool.position[2] == pytest.approx(play.settings.half_width, abs=0.02)
+    assert play.toy.tool.position[2] == pytest.approx(play.settings.standing_height, abs=0.02)
 
 
 def test_target_of_the_paper_does_not_follow() -> None:
@@ -67,7 +67,7 @@ def test_who_lifts_a_panel_that_the_gripper_cannot_hold_alone_is_told_so() -> No
     for play in (light, heavy):
         play.run(0.2)
     assert "let go" not in light.machine.reason
-    assert "do not let go of it before it stands: its 15 Nm would tear it" in heavy.machine.reason
+    assert "do not let go of the panel before it stands: its 15 Nm would tear it" in heavy.machine.reason
 
 
 def test_a_panel_that_was_never_lifted_is_not_let_go() -> None:
@@ -121,11 +121,11 @@ def test_base_is_enabled_while_carrying_only() -> None:
 @pytest.mark.parametrize("state", ORDER)
 def test_abort_from_everywhere_keeps_the_grip(state: State) -> None:
     play = Play().reach(state)
-    held = play.machine.grip
+    held = play.machine.fingers.hold
     assert play.machine.command("abort") is State.HOLDING
     where = play.toy.tool
     play.run(5.0)
-    assert play.state is State.HOLDING and play.machine.grip == held
+    assert play.state is State.HOLDING and play.machine.fingers.hold == held
     assert play.toy.tool.near(where, 0.01, 0.05)
     assert not play.decision.base and (play.decision.gripper is None) == (not held)
 
@@ -134,7 +134,7 @@ def test_abort_from_everywhere_keeps_the_grip(state: State) -> None:
 @pytest.mark.parametrize("name", [name for name, (kind, _) in FAULTS.items() if kind is not Kind.BLIND])
 def test_faults_by_their_kind(state: State, name: str) -> None:
     play = Play().reach(state)
-    held, kind = play.machine.grip, Present(name).kind
+    held, kind = play.machine.fingers.hold, Present(name).kind
     play.faults = [Present(name)]
     play.tick()
     reaction = REACTIONS[state].get(kind)
@@ -145,7 +145,7 @@ def test_faults_by_their_kind(state: State, name: str) -> None:
     assert Present(name).sentence in play.machine.reason
     play.run(10.0)
     assert (play.state is State.HOLDING) == (reaction != "forever")
-    assert play.machine.grip == held, "whatever was held is held"
+    assert play.machine.fingers.hold == held, "whatever was held is held"
 
 
 def test_a_short_fault_is_waited_for_at_the_spot() -> None:

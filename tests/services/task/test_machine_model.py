@@ -38,6 +38,8 @@ class Anything(RuleBasedStateMachine):
         play.changed = {**play.changed, "doubt": Present("marker_missing") if blind else None}
         hidden = [Present("marker_missing")] if blind else []
         faults, play.faults = play.faults, [*play.faults, *hidden]
+        if "wrench" in play.changed:
+            play.faults = [*play.faults, Present("wrench_silent", "1 s old")]
         if self.lost:
             play.faults = [Present("tool", "silent")]
         self.opening = play.toy.opening
@@ -54,6 +56,9 @@ class Anything(RuleBasedStateMachine):
         play, decision = self.play, self.decision
         if decision.gripper is not None and decision.gripper.opening > self.opening + MOVED:
             assert self.before in (State.IDLE, State.RELEASING), self.before
+        if self.before is State.HOLDING and self.known:
+            # The toy moves after the decision: what it was told is held against where it was then.
+            assert play.toy.wanted <= self.opening + MOVED, "fingers go on opening"
         if self.before is State.APPROACHING and (play.toy.marker is None or self.lost):
             # What it wants now is where the tool was when the marker was lost.
             self.doubtful += 1
@@ -63,14 +68,14 @@ class Anything(RuleBasedStateMachine):
         else:
             self.doubtful, self.anchor = 0, None
         if decision.base:
-            assert self.before is State.CARRYING and play.machine.grip
+            assert self.before is State.CARRYING and play.machine.fingers.hold
             assert self.known and self.empty_for < NOTICED
         if self.empty_for > FADED:
             assert decision.nominal == 0.0, play.state
         if any(fault.kind is Kind.STOPPED for fault in play.faults) and not self.lost:
             assert play.state in (State.IDLE, State.DONE, State.HOLDING), play.state
         assert -play.settings.half_weight <= decision.nominal <= 0.0
-        if play.machine.grip and decision.gripper is not None:
+        if play.machine.fingers.hold and decision.gripper is not None:
             assert decision.gripper.opening == 0.0
 
     @initialize(state=st.sampled_from(ORDER), lifted=st.booleans())
@@ -100,7 +105,7 @@ class Anything(RuleBasedStateMachine):
 
     @rule(word=st.sampled_from(("start", "start", "start", "release", "reset", "abort")))
     def command(self, word: str) -> None:
-        before, grip = self.play.state, self.play.machine.grip
+        before, grip = self.play.state, self.play.machine.fingers.hold
         with contextlib.suppress(Refused):
             after = self.play.machine.command(word)
             if word == "abort":

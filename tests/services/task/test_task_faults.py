@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from services.base.base import Base
 from services.base.parameters import BaseParameters
+from services.task import detection
 from services.task.geometry import Pose
 from shared.messages import Stop
 from shared.parameters import Refused
@@ -17,6 +19,7 @@ from shared.topics import (
     BASE_ENABLE,
     BASE_STATUS,
     CONTROL_STATUS,
+    CONTROL_TARGET,
     SENSOR_CAMERA,
     STATE_EE,
     STOP,
@@ -199,9 +202,17 @@ def test_robot_restarted_while_carrying_holds_where_it_is_now() -> None:
     rig.robot.muted |= {STATE_EE.key}
     rig.run(1.5)
     rig.restart_robot()
+    tool = rig.robot.toy.tool
+    rig.robot.toy.tool = Pose(tool.position + np.array((0.0, 0.1, 0.2)), tool.rotation)
+    where = rig.robot.toy.tool
     rig.robot.muted.clear()
+    for received in rig.robot.received.values():
+        received.clear()
     rig.until("holding", 3.0)
     assert "restarted" in rig.robot.reason and rig.robot.toy.gripped
+    rig.run(1.0)
+    targets = [r.message.position for r in rig.robot.received[CONTROL_TARGET.key] if r.header.valid]
+    assert targets and np.allclose(targets, where.position, atol=0.01)
 
 
 def test_unreadable_image_is_said() -> None:
@@ -219,3 +230,46 @@ def test_unreadable_image_is_said() -> None:
     image = Robot._image(rig.robot)
     rig.begun().until("searching").run(1.0)
     assert "of no use" in rig.robot.reason and rig.runner.fault is None
+
+
+def test_a_camera_that_lags_all_the_time_is_not_gone_by() -> None:
+    rig = Rig()
+    rig.lag = 2.0
+    rig.begun().until("searching").run(5.0)
+    assert rig.robot.state == "searching" and "the camera lags: its image is 2." in rig.robot.reason
+    rig.lag = 0.1
+    rig.until("approaching", 5.0)
+
+
+def test_images_that_opencv_cannot_work_on_are_of_no_use_and_end_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rig = Rig().begun().until("approaching")
+    image = rig.robot._sent
+    assert image is not None
+    noise = np.random.default_rng(0)
+    wide = replace(image, width=40_000, height=1, encoding="rgb8", data=bytes(120_000))
+    rig.robot._another = lambda _: replace(wide, data=noise.bytes(120_000))  # type: ignore[method-assign]
+    rig.run(1.5)
+    assert rig.robot.state == "approaching" and "40000 x 1, allowed" in rig.robot.reason
+    monkeypatch.setattr(detection, "LONGEST_SIDE", 10**6)
+    with pytest.raises(detection.BadImage, match="OpenCV cannot work on it"):
+        detection.Detector(0.15).find(wide, (7, Pose.from_rpy((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))))
+
+
+def test_a_robot_that_was_restarted_while_it_was_held_is_held_where_it_is() -> None:
+    rig = Rig().carrying()
+    rig.ask("abort")
+    rig.robot.muted |= {STATE_EE.key}
+    rig.run(1.5)
+    rig.restart_robot()
+    tool = rig.robot.toy.tool
+    rig.robot.toy.tool = Pose(tool.position + np.array((0.0, 0.1, 0.2)), tool.rotation)
+    where = rig.robot.toy.tool
+    rig.robot.muted.clear()
+    for received in rig.robot.received.values():
+        received.clear()
+    rig.run(3.0)
+    targets = [r.message.position for r in rig.robot.received[CONTROL_TARGET.key] if r.header.valid]
+    assert targets and np.allclose(targets, where.position, atol=0.01)
+    assert rig.robot.toy.gripped and rig.robot.state == "holding"

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from services.task.geometry import Pose
+from shared.parameters import Refused
 from shared.topics import (
     BASE_ENABLE,
     COMMAND_GRIPPER,
@@ -71,3 +72,34 @@ def test_shutdown_leaves_grip_and_target_and_stops_the_base() -> None:
     rig.stack.run(0.005)
     assert [r.message.enabled for r in rig.robot.received[BASE_ENABLE.key]] == [False]
     assert not rig.robot.received[COMMAND_GRIPPER.key]
+
+
+@pytest.mark.parametrize("flickers", [0.1, 1.0])
+def test_a_gripper_that_says_for_a_moment_that_it_holds_nothing_has_not_lost_the_panel(
+    tmp_path: Path, flickers: float
+) -> None:
+    rig = Rig(tmp_path).carrying()
+    rig.kill_task()
+    rig.run(0.5)
+    rig.robot.denies = True
+    rig.start_task()
+    rig.run(0.5 + flickers)
+    rig.robot.denies = False
+    rig.run(1.0)
+    assert rig.robot.state == ("carrying" if flickers < 0.3 else "idle"), rig.robot.reason
+
+
+def test_without_its_journal_it_lets_go_as_told_and_carries_nothing_on(tmp_path: Path) -> None:
+    rig = Rig(tmp_path).carrying()
+    rig.kill_task()
+    for path in (tmp_path / "task").iterdir():
+        path.write_text("torn")
+    rig.start_task()
+    rig.until("holding", 3.0)
+    with pytest.raises(Refused, match="nothing is known of how far the panel is turned"):
+        rig.ask("start")
+    assert rig.ask("release") == "releasing"
+    rig.run(3.0)
+    assert rig.robot.toy.gripped, "the robot carries half of it"
+    rig.robot.toy.lifted = False
+    rig.until("done", 30.0)

@@ -35,7 +35,7 @@ class Toy:
         self.lifted = False
         self.far_height: float | None = None
         self.roll_rate = 0.0
-        self.stands = self.parameters.half_width
+        self.stands = self.parameters.standing_height
         self.speed = self.turning = 0.0
         self.session = 1
         self.gripped = self._slipped = False

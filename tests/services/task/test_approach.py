@@ -1,0 +1,88 @@
+"""On the way to the grasp: which panel is gone to, how the target leads the tool, and when the gripper closes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from services.task.geometry import Pose
+from services.task.states import State
+from tests.services.task.play import Play
+from tests.services.task.toy import MARKER
+
+
+def turned(roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> Pose:
+    """The marker, turned in base about its place by so many degrees."""
+    return Pose(MARKER.position, (Pose.from_rpy((0, 0, 0), np.radians((roll, pitch, yaw))) @ MARKER).rotation)
+
+
+@pytest.mark.parametrize(
+    ("marker", "words"),
+    [
+        (turned(pitch=-80.0), "too steep: the tool points up by 80 degrees, allowed are 30"),
+        (turned(pitch=40.0), "too steep: the tool points down by 40 degrees"),
+        (turned(yaw=180.0), "its far side"),
+    ],
+)
+def test_a_panel_that_cannot_be_carried_from_there_is_told_and_not_gone_to(marker: Pose, words: str) -> None:
+    play = Play(reach_low=(-2.0,) * 3, reach_high=(2.0,) * 3)
+    play.toy.marker = marker
+    play.reach(State.SEARCHING)
+    play.run(3.0)
+    assert play.state is State.SEARCHING and words in play.machine.reason
+    play.toy.marker = turned(pitch=20.0)
+    play.to(State.APPROACHING, 3.0)
+
+
+def going_in() -> Play:
+    """On the last, straight part of the way."""
+    play = Play().reach(State.APPROACHING)
+    play.run(20.0, lambda: "going in" in play.machine.reason)
+    play.run(0.5)
+    return play
+
+
+def ahead(play: Play) -> float:
+    """How far [m] the target is ahead of the tool along the way in."""
+    tool, target = play.toy.tool, play.decision.target
+    assert target is not None
+    return float((target.position - tool.position) @ tool.rotation[:, 0])
+
+
+def test_what_is_in_the_way_is_pressed_no_harder_by_waiting_longer() -> None:
+    play = going_in()
+    stuck = play.toy.tool
+    for _ in range(500):
+        play.tick()
+        play.toy.tool = stuck
+    assert play.state is State.APPROACHING and 0.05 < ahead(play) < 0.11
+
+
+def test_it_does_not_go_in_from_the_side_or_askew() -> None:
+    for offset in (Pose.from_rpy((0.0, 0.0, 0.04), (0.0,) * 3), Pose.from_rpy((0.0,) * 3, (0.0, 0.0, 0.2))):
+        play = Play().reach(State.APPROACHING)
+        play.run(20.0, lambda play=play: "going in" in play.machine.reason)
+        held = play.toy.tool @ offset
+        for _ in range(200):
+            play.toy.tool = held
+            play.tick()
+        assert ahead(play) < 0.03, "it waits for the tool to be in line"
+
+
+def test_a_panel_that_was_moved_aside_is_gone_to_anew() -> None:
+    play = going_in()
+    play.toy.marker = Pose(MARKER.position + np.array((0.0, 0.08, 0.0)), MARKER.rotation)
+    target = play.tick().target
+    assert target is not None
+    grasp = play.toy.marker @ Pose.from_rpy(play.settings.grasp_position, play.settings.grasp_rpy)
+    assert target.near(grasp.shifted(-play.settings.standoff), 0.005, 0.01), "back to the point before it"
+
+
+@pytest.mark.parametrize("moving", [{"speed": 0.05}, {"turning": 0.05}])
+def test_the_gripper_does_not_close_while_the_tool_moves(moving: dict[str, float]) -> None:
+    play = going_in()
+    play.changed = moving
+    play.run(10.0)
+    assert play.state is State.APPROACHING and play.toy.tool.near(play.toy.grasp, 0.01, 0.05)
+    play.changed = {}
+    play.to(State.GRASPING, 1.0)
