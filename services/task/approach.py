@@ -12,7 +12,9 @@ from services.task.timers import Held
 
 _STILL = 0.02  # [m/s, rad/s]
 _FREE_AFTER = 0.5  # [s]
-_SWEEP_EVERY = 2.0  # [s]
+_SWEEP_EVERY = 2.0
+"""Time [s] for which the head looks each way."""
+_OUT_OF_SIGHT, _OUT_OF_SIGHT_ANGLE = 0.03, 0.1  # [m], [rad] from the lookout pose
 _ALIGNED, _ALIGNED_ANGLE = 0.02, 0.1
 """Before it goes in, and while: sideways distance [m] and angle [rad] from the line to the grasp."""
 _ASTRAY = 0.05
@@ -29,6 +31,7 @@ class Approach:
         self._settings = parameters
         self._rest = tool
         self._offset = Pose.from_rpy(parameters.grasp_position, parameters.grasp_rpy)
+        self._lookout = Pose.from_rpy(parameters.lookout_position, parameters.lookout_rpy)
         self._free = Held(_FREE_AFTER)
         self._watch = GraspWatch()
         self._way = 0.0
@@ -52,7 +55,7 @@ class Approach:
         return Decision(reason, self._rest, head=head)
 
     def search(self, seen: Seen, dt: float) -> Decision:
-        """Look until the marker is seen, within reach."""
+        """Look until the marker is seen, within reach; if the head sees none all around, take the arm out of view."""
         settings = self._settings
         self._pass(dt)
         pans = (0.0, settings.head_sweep, 0.0, -settings.head_sweep)
@@ -61,6 +64,10 @@ class Approach:
         head = (pan, settings.head_tilt)
         if seen.marker is None:
             reason = seen.doubt.sentence if seen.doubt else "looking for the marker"
+            hides = not seen.tool.near(self._lookout, _OUT_OF_SIGHT, _OUT_OF_SIGHT_ANGLE)
+            if hides and self._time > len(pans) * _SWEEP_EVERY:
+                self._rest = self._lookout
+                reason = f"{reason} (the arm may hide it: it goes to the lookout pose)"
         elif problem := self._ungraspable(seen.marker @ self._offset):
             reason = f"{problem}; move the panel or the robot"
         else:

@@ -63,6 +63,20 @@ class TaskParameters(Parameters):
         maximum=2.0,
         doc="least height of the tool in base at which the turned panel can be set down",
     )
+    lookout_position: Vector3 = parameter(
+        (0.45, -0.39, 0.78),
+        unit="m",
+        minimum=-2.0,
+        maximum=2.0,
+        doc="tool in base where the arm does not hide the panel from the camera",
+    )
+    lookout_rpy: Vector3 = parameter(
+        (-QUARTER, 0.0, 0.0),
+        unit="rad",
+        minimum=-math.pi,
+        maximum=math.pi,
+        doc="roll, pitch, yaw of the tool there",
+    )
     standoff: float = parameter(
         0.15, unit="m", minimum=0.02, maximum=0.5, doc="way to the grasp, and back, along tool x"
     )

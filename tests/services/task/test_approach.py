@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from services.task.faults import Present
 from services.task.geometry import Pose
 from services.task.states import State
 from tests.services.task.play import Play
@@ -86,3 +87,30 @@ def test_the_gripper_does_not_close_while_the_tool_moves(moving: dict[str, float
     assert play.state is State.APPROACHING and play.toy.tool.near(play.toy.grasp, 0.01, 0.05)
     play.changed = {}
     play.to(State.GRASPING, 1.0)
+
+
+def test_an_arm_that_may_hide_the_panel_is_taken_out_of_the_picture_once_the_head_has_looked_all_around() -> (
+    None
+):
+    play = Play()
+    lookout = Pose.from_rpy(play.settings.lookout_position, play.settings.lookout_rpy)
+    play.toy.marker, play.changed = None, {"doubt": Present("marker_missing")}
+    play.reach(State.SEARCHING)
+    where = play.toy.tool
+    play.run(7.9)
+    assert play.toy.tool.near(where, 1e-3, 1e-3), "at first the head alone looks around"
+    play.run(10.0)
+    assert play.state is State.SEARCHING and play.toy.tool.near(lookout, 0.03, 0.1)
+    assert "lookout" not in play.machine.reason and "covered" in play.machine.reason
+    play.toy.marker, play.changed = MARKER, {}
+    play.to(State.CARRYING)
+
+
+def test_an_arm_in_the_lookout_pose_stands_while_the_marker_is_covered() -> None:
+    play = Play()
+    play.toy.tool = Pose.from_rpy(play.settings.lookout_position, play.settings.lookout_rpy)
+    play.toy.marker, play.changed = None, {"doubt": Present("marker_missing")}
+    play.reach(State.SEARCHING)
+    where = play.toy.tool
+    play.run(30.0)
+    assert play.state is State.SEARCHING and play.toy.tool.near(where, 1e-6, 1e-6)
