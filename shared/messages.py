@@ -134,7 +134,7 @@ class BaseTwistCommand(Record):
 
 @dataclass(frozen=True, eq=False)
 class GripperCommand(Record):
-    """Wanted opening and the effort to use for it."""
+    """Wanted opening and the effort to use for it; not carried out once it is older than 1 s."""
 
     opening: float = of(Number("m", minimum=0.0))
     effort: float = of(Number("N", minimum=0.0))
@@ -142,7 +142,7 @@ class GripperCommand(Record):
 
 @dataclass(frozen=True, eq=False)
 class HeadCommand(Record):
-    """Wanted head joints."""
+    """Wanted head joints; not carried out once they are older than 1 s."""
 
     pan: float = of(Number("rad"))
     tilt: float = of(Number("rad"))

@@ -171,10 +171,8 @@ class RobotSide:
             (self.base_gate.clamped, "base commands clamped"),
             (self.base_gate.expired, "base commands expired"),
             (self.base_gate.late, "base commands late"),
-            (self._gripper.clamped, "gripper commands clamped"),
-            (self._gripper.doubtful, "gripper commands refused as marked invalid"),
-            (self._head.clamped, "head commands clamped"),
-            (self._head.doubtful, "head commands refused as marked invalid"),
+            *self._gripper.counts,
+            *self._head.counts,
         )
         parts = (
             "" if mode == "ready" else self.gate.reason,

@@ -13,6 +13,9 @@ from shared.topics import Topic
 M = TypeVar("M", bound=Record)
 Ranges = Mapping[str, tuple[float, float]]
 """Least and greatest value of each field of a command, by its name."""
+OLDEST = 1.0
+"""Age [s] up to which a command is taken over. Whoever sent it may have been stopped between deciding and sending, and
+what was right then, to open the fingers for one, need not be right any more."""
 
 
 class Setpoint(Generic[M]):
@@ -22,6 +25,7 @@ class Setpoint(Generic[M]):
         topic: of the command.
         clamped: number of commands that asked for more than there is.
         doubtful: number of commands that their publisher marked as not to be trusted; they are not executed.
+        late: number of commands that were too old; they are not executed.
 
     Args:
         topic: of the command.
@@ -33,6 +37,7 @@ class Setpoint(Generic[M]):
         self._ranges = ranges
         self.clamped = 0
         self.doubtful = 0
+        self.late = 0
 
     def take(self, inputs: Inputs) -> M | None:
         """What is to be executed from now on, once for each command."""
@@ -42,6 +47,9 @@ class Setpoint(Generic[M]):
         if not command.header.valid:
             self.doubtful += 1
             return None
+        if command.age > OLDEST:
+            self.late += 1
+            return None
         asked = {name: getattr(command.message, name) for name in self._ranges}
         able = {
             name: min(max(asked[name], least), greatest) for name, (least, greatest) in self._ranges.items()
@@ -50,3 +58,13 @@ class Setpoint(Generic[M]):
             return command.message
         self.clamped += 1
         return replace(command.message, **able)
+
+    @property
+    def counts(self) -> tuple[tuple[int, str], ...]:
+        """How many commands were not executed as sent, and why."""
+        what = f"{self.topic.key.rpartition('/')[2]} commands"
+        return (
+            (self.clamped, f"{what} clamped"),
+            (self.doubtful, f"{what} refused as marked invalid"),
+            (self.late, f"{what} refused as older than {OLDEST:g} s"),
+        )

@@ -15,7 +15,16 @@ import numpy as np
 import zenoh
 
 from shared.codec import Rejected, decode, encode
-from shared.messages import BaseState, EndEffector, FtSample, Header, RobotStatus, Stop, TwistCommand
+from shared.messages import (
+    BaseState,
+    EndEffector,
+    FtSample,
+    GripperState,
+    Header,
+    RobotStatus,
+    Stop,
+    TwistCommand,
+)
 from shared.records import Record
 from shared.spatial import Array, rotation_matrix
 from shared.topics import (
@@ -23,6 +32,7 @@ from shared.topics import (
     SENSOR_FT,
     STATE_BASE,
     STATE_EE,
+    STATE_GRIPPER,
     STATE_ROBOT,
     STOP,
     Topic,
@@ -102,12 +112,14 @@ class Commander(Network):
             if made is not None:
                 self.put(self.topic.key, made if isinstance(made, bytes) else self.payload(made))
 
-    def payload(self, message: Record, valid: bool = True, number: int | None = None) -> bytes:
-        """A message with the next sequence number, or with one of the past."""
+    def payload(
+        self, message: Record, valid: bool = True, number: int | None = None, stamp: int | None = None
+    ) -> bytes:
+        """A message with the next sequence number and of this instant, or of the past."""
         if number is None:
             self.number += 1
         sequence = self.number if number is None else number
-        return encode(message, Header(sequence, self._id, time.monotonic_ns(), valid))
+        return encode(message, Header(sequence, self._id, stamp or time.monotonic_ns(), valid))
 
     def stop(self, engaged: bool, reason: str = "", valid: bool = True) -> None:
         self.put(STOP.key, self.payload(Stop(engaged, reason), valid))
@@ -176,6 +188,10 @@ class Robot(Network):
     @property
     def base(self) -> BaseState:
         return self.heard[STATE_BASE.key][-1].message
+
+    @property
+    def gripper(self) -> GripperState:
+        return self.heard[STATE_GRIPPER.key][-1].message
 
     def at_rest(self) -> bool:
         return self.speed < 2e-3 and float(np.linalg.norm(self.tool.angular)) < 1e-2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import time
 from collections.abc import Callable
 
 import msgpack
@@ -204,6 +205,29 @@ def test_what_gripper_and_head_cannot_do_or_read_is_told(
         return robot.counted(f"{word} commands clamped") > clamped and robot.counted("rejected") > rejected
 
     eventually(told, PATIENCE, "excess and garbage are told")
+
+
+def test_a_gripper_command_of_long_ago_is_refused_and_told(robot: Robot, commander: Commander) -> None:
+    since = time.monotonic_ns()
+    refused = robot.counted("gripper commands refused as older")
+
+    def send(opening: float) -> None:
+        # Whoever decided all this at one instant and was hung until now.
+        stamp = since + commander.number
+        commander.put(COMMAND_GRIPPER.key, commander.payload(GripperCommand(opening, 16.0), stamp=stamp))
+
+    def told() -> bool:
+        send(0.0)
+        return robot.counted("gripper commands refused as older") > refused
+
+    eventually(told, PATIENCE, "it is refused once it is old")
+    refused = robot.counted("gripper commands refused as older")
+    opening = robot.gripper.opening
+    send(0.05)
+    eventually(
+        lambda: robot.counted("gripper commands refused as older") > refused, PATIENCE, "so is the next"
+    )
+    throughout(lambda: robot.gripper.opening <= opening, 0.5, "the fingers stay")
 
 
 @pytest.mark.parametrize("valid", [True, False], ids=["valid", "invalid"])

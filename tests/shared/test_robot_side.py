@@ -2,58 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
-from shared.base_gate import BaseLimits
-from shared.limits import SILENCE, GateLimits
-from shared.messages import GripperCommand, HeadCommand, Header, RobotStatus, Stop, TwistCommand
-from shared.records import Record
-from shared.robot_side import HOLDING_AFTER, RobotSide
+from shared.limits import SILENCE
+from shared.messages import Header, Stop, TwistCommand
+from shared.robot_side import HOLDING_AFTER
 from shared.service import Inputs, Reading
-from shared.topics import COMMAND_EE_TWIST, COMMAND_GRIPPER, COMMAND_HEAD, STATE_ROBOT, STOP, Topic
-
-DT = 0.01
-FORWARDS = (0.1, 0.0, 0.0)
-ZERO = (0.0, 0.0, 0.0)
-
-
-class Process:
-    """A robot process that ticks at 100 Hz."""
-
-    def __init__(self) -> None:
-        self.side = RobotSide(
-            GateLimits(0.3, 1.0, 1e3, 1e3),
-            "omni",
-            simulated=False,
-            base=BaseLimits(0.5, 0.2, 0.4, 0.3, 1.0, 2.0),
-            gripper={"opening": (0.0, 0.09), "effort": (0.0, 16.0)},
-            head={"pan": (-1.3, 1.3), "tilt": (-1.0, 0.7)},
-        )
-        self.statuses: list[RobotStatus] = []
-        self._readings: dict[str, Reading] = {}
-
-    def send(self, topic: Topic, message: Record, valid: bool = True, age: float = 0.0) -> None:
-        self._readings[topic.key] = Reading(message, Header(0, 1, 0, valid), age, True)
-
-    def move(self, ttl: float = 0.1, age: float = 0.0) -> None:
-        self.send(COMMAND_EE_TWIST, TwistCommand(FORWARDS, ZERO, ttl), age=age)
-
-    def tick(self, refusals: dict[str, str] | None = None) -> np.ndarray:
-        self.side.take(Inputs(self._readings, refusals or {}))
-        self._readings = {
-            key: Reading(reading.message, reading.header, reading.age + DT, False)
-            for key, reading in self._readings.items()
-        }
-        twist = self.side.advance(DT)
-        for output in self.side.report(DT, "the arm is short"):
-            assert output.topic == STATE_ROBOT
-            self.statuses.append(output.message)
-        return twist
-
-    def run(self, duration: float) -> None:
-        for _ in range(round(duration / DT)):
-            self.tick()
+from shared.topics import COMMAND_EE_TWIST, STOP
+from tests.shared.robot_rig import FORWARDS, ZERO, Process
 
 
 @pytest.fixture
@@ -166,35 +122,3 @@ def test_a_process_that_does_not_work_keeps_its_stop(process: Process) -> None:
     assert output.message.mode == "stopped"
     process.move()
     assert not process.tick().any()
-
-
-def test_gripper_and_head_do_what_they_can_and_an_excess_is_told(process: Process) -> None:
-    process.send(COMMAND_GRIPPER, GripperCommand(5.0, 10.0))
-    process.send(COMMAND_HEAD, HeadCommand(0.3, -9.0))
-    process.tick()
-    gripper, head = process.side.gripper, process.side.head
-    assert gripper is not None and (gripper.opening, gripper.effort) == (0.09, 10.0)
-    assert head is not None and (head.pan, head.tilt) == (0.3, -1.0)
-    process.tick()
-    assert process.side.gripper is None and process.side.head is None, "each once"
-    process.run(0.3)
-    assert "gripper commands clamped: 1" in process.statuses[-1].reason
-    assert "head commands clamped: 1" in process.statuses[-1].reason
-
-
-def test_gripper_and_head_do_not_what_is_marked_invalid(process: Process) -> None:
-    process.send(COMMAND_GRIPPER, GripperCommand(0.05, 10.0), valid=False)
-    process.send(COMMAND_HEAD, HeadCommand(0.3, 0.0), valid=False)
-    process.tick()
-    assert process.side.gripper is None and process.side.head is None
-    process.run(0.3)
-    assert "gripper commands refused as marked invalid: 1" in process.statuses[-1].reason
-    assert "head commands refused as marked invalid: 1" in process.statuses[-1].reason
-
-
-def test_what_the_inputs_refused_of_gripper_and_head_is_named(process: Process) -> None:
-    for topic in (COMMAND_GRIPPER, COMMAND_HEAD):
-        process.side.take(Inputs({}, {topic.key: "3 from a second session refused"}))
-        process.side.report(1.0)
-        (output,) = process.side.report(1.0)
-        assert f"{topic.key}: 3 from a second session refused" in output.message.reason
