@@ -69,6 +69,9 @@ class RobotSide:
 
     Attributes:
         gripper, head: the command to carry out that came with the last ``take``; None if none did.
+        freeze: whether a stop was engaged with the last ``take``. Fingers and head stay where they are then, after its
+            release too, until the next command; fingers that hold something, or close on it, close on it all the same,
+            with no less effort: a stop must not let go of anything, and neither must its release.
 
     Args:
         limits: of the tool's gate.
@@ -99,6 +102,7 @@ class RobotSide:
         self._gripper, self._head = Setpoint(COMMAND_GRIPPER, gripper), Setpoint(COMMAND_HEAD, head)
         self.gripper: GripperCommand | None = None
         self.head: HeadCommand | None = None
+        self.freeze = False
         self._live = 0.0
         self._refusals: list[str] = []
         self._told = ""
@@ -108,20 +112,24 @@ class RobotSide:
     def take(self, inputs: Inputs, behind: float = 0.0) -> None:
         """Take over what is new: each command once, a stop at once.
 
-        A stop engages whatever its publisher thinks of itself; only a valid message releases it.
+        A stop engages whatever its publisher thinks of itself; only a valid message releases it. What is asked of
+        gripper and head meanwhile is refused for good: nothing moves at a release but what is commanded after it.
 
         Args:
             inputs: of this step.
             behind: time [s] before now at which the next ``advance`` begins, for a process that goes through the time
                 since its last step in several ones: a command acts from that one on in which it arrived.
         """
-        stop = inputs.get(STOP)
+        stop, before = inputs.get(STOP), self.mode
         if stop is not None and stop.new and (stop.message.engaged or stop.header.valid):
             self.gate.stop(stop.message.engaged, stop.message.reason)
             self.base_gate.stop(stop.message.engaged)
         self._pending.take(inputs, behind)
         self._pending_base.take(inputs, behind)
-        self.gripper, self.head = self._gripper.take(inputs), self._head.take(inputs)
+        self.freeze = self.mode == "stopped" and before != "stopped"
+        # What comes in one step with a release may have been given before it.
+        stopped = "stopped" in (before, self.mode)
+        self.gripper, self.head = self._gripper.take(inputs, stopped), self._head.take(inputs, stopped)
         self._refusals = [f"{topic.key}: {text}" for topic in self.INPUTS if (text := inputs.refusals(topic))]
 
     def advance(self, dt: float) -> Array:

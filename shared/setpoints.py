@@ -26,6 +26,7 @@ class Setpoint(Generic[M]):
         clamped: number of commands that asked for more than there is.
         doubtful: number of commands that their publisher marked as not to be trusted; they are not executed.
         late: number of commands that were too old; they are not executed.
+        stopped: number of commands that came while a stop was engaged; they are not executed, later neither.
 
     Args:
         topic: of the command.
@@ -38,9 +39,15 @@ class Setpoint(Generic[M]):
         self.clamped = 0
         self.doubtful = 0
         self.late = 0
+        self.stopped = 0
 
-    def take(self, inputs: Inputs) -> M | None:
-        """What is to be executed from now on, once for each command."""
+    def take(self, inputs: Inputs, stopped: bool = False) -> M | None:
+        """What is to be executed from now on, once for each command.
+
+        Args:
+            inputs: of this step.
+            stopped: whether a stop is engaged, or was until this step.
+        """
         command = inputs.get(self.topic)
         if command is None or not command.new:
             return None
@@ -49,6 +56,9 @@ class Setpoint(Generic[M]):
             return None
         if command.age > OLDEST:
             self.late += 1
+            return None
+        if stopped:
+            self.stopped += 1
             return None
         asked = {name: getattr(command.message, name) for name in self._ranges}
         able = {
@@ -67,4 +77,5 @@ class Setpoint(Generic[M]):
             (self.clamped, f"{what} clamped"),
             (self.doubtful, f"{what} refused as marked invalid"),
             (self.late, f"{what} refused as older than {OLDEST:g} s"),
+            (self.stopped, f"{what} refused while stopped"),
         )

@@ -32,7 +32,7 @@ class Gripper:
         self.left = self.right = 0.0
         self.pressed = (0.0, 0.0)
         self.holding = False
-        self._target = 0.0
+        self._target = (0.0, 0.0)
         self._effort = EFFORT
 
     @property
@@ -47,19 +47,29 @@ class Gripper:
 
     def command(self, opening: float, effort: float) -> None:
         """Take over a wanted opening [m] and the effort [N] of each finger for it."""
-        self._target = 0.5 * opening
+        self._target = (0.5 * opening, 0.5 * opening)
         self._effort = effort
+
+    def stay(self) -> None:
+        """Want the fingers where they are. On what they hold, or were closing on, they close: nothing is let go of."""
+        closing = self._target[0] < self.left or self._target[1] < self.right
+        if closing and any(self.pressed):
+            return
+        if self.holding:
+            self._target, self._effort = (0.0, 0.0), max(self._effort, min(*self.pressed, EFFORT))
+        else:
+            self._target = (self.left, self.right)
 
     def advance(self, dt: float) -> None:
         """Let the drives move the fingers for ``dt`` [s]."""
         left, right = self.pressed
-        if left == right == 0.0 and self.left == self.right == self._target:
+        if left == right == 0.0 and (self.left, self.right) == self._target:
             return
         eased = EASE_SPEED * dt if min(left, right) > self._effort + EASE_ABOVE else 0.0
-        self.left = self._moved(self.left, left, dt) + eased
-        self.right = self._moved(self.right, right, dt) + eased
+        self.left = self._moved(self.left, self._target[0], left, dt) + eased
+        self.right = self._moved(self.right, self._target[1], right, dt) + eased
 
-    def _moved(self, place: float, pressed: float, dt: float) -> float:
-        if place > self._target and pressed >= self._effort:
+    def _moved(self, place: float, target: float, pressed: float, dt: float) -> float:
+        if place > target and pressed >= self._effort:
             return place
-        return place + min(max(self._target - place, -SPEED * dt), SPEED * dt)
+        return place + min(max(target - place, -SPEED * dt), SPEED * dt)

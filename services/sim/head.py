@@ -52,6 +52,10 @@ class Head:
         self._target = np.array((pan, tilt))
         self._moving = True
 
+    def stay(self) -> None:
+        """Go no further."""
+        self._moving = False
+
     def advance(self, dt: float) -> None:
         """Move for ``dt`` [s]."""
         if self._moving:

@@ -116,6 +116,9 @@ class Simulator:
     def _advance(self, inputs: Inputs) -> None:
         step = self._ticks.step * self._stretch
         self.side.take(inputs, behind=self._ticks.substeps * step)
+        if self.side.freeze:
+            self.world.gripper.stay()
+            self.world.head.stay()
         if (gripper := self.side.gripper) is not None:
             self.world.gripper.command(gripper.opening, gripper.effort)
         if (head := self.side.head) is not None:

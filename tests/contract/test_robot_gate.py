@@ -230,6 +230,28 @@ def test_a_gripper_command_of_long_ago_is_refused_and_told(robot: Robot, command
     throughout(lambda: robot.gripper.opening <= opening, 0.5, "the fingers stay")
 
 
+def test_what_the_gripper_is_asked_while_stopped_is_refused_for_good(
+    robot: Robot, commander: Commander
+) -> None:
+    refused = robot.counted("gripper commands refused while stopped")
+    opening = robot.gripper.opening
+    wanted = 0.05 if opening < 0.025 else 0.0
+
+    def told() -> bool:
+        commander.put(COMMAND_GRIPPER.key, commander.payload(GripperCommand(wanted, 16.0)))
+        return robot.counted("gripper commands refused while stopped") > refused
+
+    commander.stop(True, "hand on the button")
+    try:
+        eventually(lambda: robot.status.mode == "stopped", PATIENCE, "the gate is stopped")
+        eventually(told, PATIENCE, "it is refused")
+    finally:
+        # From the same session as the commands, so that none of them overtakes it.
+        commander.stop(False)
+    eventually(lambda: robot.status.mode != "stopped", PATIENCE, "released")
+    throughout(lambda: abs(robot.gripper.opening - opening) < 1e-3, 0.5, "the fingers stay")
+
+
 @pytest.mark.parametrize("valid", [True, False], ids=["valid", "invalid"])
 def test_a_stop_is_latched_whoever_comes_and_goes_and_only_a_valid_release_ends_it(
     robot: Robot, commander: Commander, second: Commander, valid: bool

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from shared.messages import GripperCommand, HeadCommand
+from shared.messages import GripperCommand, HeadCommand, Stop
 from shared.records import Record
 from shared.service import Inputs
 from shared.setpoints import OLDEST
 from shared.stack import Stack
-from shared.topics import COMMAND_GRIPPER, COMMAND_HEAD, STATE_ROBOT, Topic
+from shared.topics import COMMAND_GRIPPER, COMMAND_HEAD, STATE_ROBOT, STOP, Topic
 from tests.shared.rig import Publisher
 from tests.shared.robot_rig import Process
 from tests.support.stub_robot import StubParameters, StubRobot
@@ -63,6 +63,41 @@ def test_what_is_too_old_is_not_carried_out_and_told(process: Process, topic: To
         assert (getattr(process.side, word) is not None) is taken, age
     process.run(0.3)
     assert f"{word} commands refused as older than 1 s: 2" in process.statuses[-1].reason
+
+
+@pytest.mark.parametrize(("topic", "message"), [(COMMAND_GRIPPER, OPEN), (COMMAND_HEAD, AWAY)])
+def test_what_is_asked_while_stopped_is_refused_for_good_and_told(
+    process: Process, topic: Topic, message: Record
+) -> None:
+    word = topic.key.rpartition("/")[2]
+
+    def taken() -> bool:
+        process.send(topic, message)
+        process.tick()
+        return getattr(process.side, word) is not None
+
+    process.send(STOP, Stop(True, "hand on the button"))
+    assert not taken(), "together with the stop"
+    assert not taken()
+    process.send(STOP, Stop(False, ""), valid=False)
+    assert not taken(), "an invalid release is none"
+    process.send(STOP, Stop(False, ""))
+    assert not taken(), "together with the release: it may be older"
+    for _ in range(20):
+        process.tick()
+        assert getattr(process.side, word) is None, "nor afterwards"
+    assert f"{word} commands refused while stopped: 4" in process.statuses[-1].reason
+    assert taken(), "what is asked after the release"
+
+
+def test_fingers_and_head_are_told_once_to_stay_when_a_stop_is_engaged(process: Process) -> None:
+    told = []
+    for engaged in (None, True, None, True, False, None, True):
+        if engaged is not None:
+            process.send(STOP, Stop(engaged, ""))
+        process.tick()
+        told.append(process.side.freeze)
+    assert told == [False, True, False, False, False, False, True]
 
 
 def test_what_a_task_decided_before_it_was_hung_does_not_open_the_fingers_when_it_wakes() -> None:

@@ -12,7 +12,7 @@ from services.sim.kinematics import CHAIN
 from services.sim.panel import Panel, PanelSpec
 from shared import topics
 from shared.constants import GRAVITY
-from shared.messages import GripperCommand, Stop
+from shared.messages import GripperCommand
 from shared.spatial import rotation_from_vector, rotation_matrix
 from tests.services.sim.rig import Rig
 from tests.services.sim.statics import statics
@@ -262,19 +262,6 @@ def test_the_joint_state_shows_the_fingers(rig: Rig) -> None:
     ]
     assert fingers == pytest.approx([0.03, 0.03])
     assert rig.last(topics.STATE_GRIPPER).opening == pytest.approx(0.06)
-
-
-def test_a_stop_holds_the_fingers(rig: Rig) -> None:
-    rig.stack.client.publish(topics.COMMAND_GRIPPER, GripperCommand(0.09, 16.0))
-    rig.run(0.3)
-    rig.stack.client.publish(topics.STOP, Stop(True, "hand on the button"))
-    rig.run(0.05)
-    opening = rig.last(topics.STATE_GRIPPER).opening
-    rig.run(0.5)
-    assert rig.last(topics.STATE_GRIPPER).opening == opening < 0.05
-    rig.stack.client.publish(topics.STOP, Stop(False, ""))
-    rig.run(1.0)
-    assert rig.last(topics.STATE_GRIPPER).opening == pytest.approx(0.09)
 
 
 def test_the_panel_moves_with_tool_and_base(rig: Rig) -> None:
