@@ -240,7 +240,7 @@ class InputHealth(Record):
     age: float = of(Number("s"))
     hz: float = of(Number("Hz", minimum=0.0))
     rejected: int = of(Integer(minimum=0))
-    ok: bool = of(Boolean())
+    ok: bool = of(Boolean(doc="fresh and valid; also: optional and never received, or on change only"))
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from typing import TYPE_CHECKING
 
@@ -81,13 +82,14 @@ class HealthReporter:
         required = {topic.key for topic in runner.service.wiring.required}
         inputs = {}
         for key, inlet in runner.inlets.items():
-            unhealthy = inlet.fault(now, runner.service.max_delay) if key in required else None
             latest = inlet.latest
+            # What may be missing, and what holds until it is replaced, has no fault by being silent.
+            judged = key in required or (latest is not None and inlet.topic.max_age < math.inf)
             inputs[key] = InputHealth(
                 age=-1.0 if latest is None else seconds(now - latest.arrival_ns) + latest.delay,
                 hz=inlet.rate(now),
                 rejected=inlet.rejected + inlet.out_of_order + inlet.second_session,
-                ok=unhealthy is None and (latest is not None or key not in required),
+                ok=not judged or inlet.fault(now, runner.service.max_delay) is None,
             )
         runner.publish(
             self._topic,

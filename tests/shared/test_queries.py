@@ -12,16 +12,20 @@ from hypothesis import strategies as st
 
 from shared.bus import NoReply
 from shared.codec import encode_map
+from shared.messages import Health, JointState
 from shared.parameters import Refused
 from shared.topics import (
     CONTROL_PARAMETERS,
+    CONTROL_TARGET,
     STATE_EE,
+    STATE_JOINTS,
     TASK_COMMAND,
     WRENCH_EXTERNAL,
     WRENCH_TARE,
+    Topic,
     health_topic,
 )
-from tests.shared.rig import tool, wrench
+from tests.shared.rig import target, tool, wrench
 from tests.shared.runner_rig import Rig
 from tests.shared.strategies import any_plain
 
@@ -179,6 +183,30 @@ def test_health_at_two_hertz_tells_state_reason_and_inputs() -> None:
     assert health[-1].inputs[WRENCH_EXTERNAL.key].rejected == 1
     assert not health[-1].inputs[WRENCH_EXTERNAL.key].ok
     assert all(math.isfinite(row.age) for row in health[-1].inputs.values())
+
+
+def test_health_tells_of_an_optional_input_that_has_failed_and_the_service_goes_on() -> None:
+    rig = Rig(optional=(STATE_JOINTS, CONTROL_TARGET))
+    health: list[Health] = []
+    rig.stack.client.watch(health_topic("recorder"), lambda received: health.append(received.message))
+    rig.working()
+
+    def ok(topic: Topic = STATE_JOINTS) -> bool:
+        rig.stack.run(1.1)
+        return health[-1].inputs[topic.key].ok
+
+    assert ok(), "nobody has to send it"
+    joints = rig.source(STATE_JOINTS, lambda: JointState((), (), (), ()))
+    assert ok()
+    joints.valid = False
+    assert not ok(), "marked invalid"
+    joints.valid = True
+    assert ok()
+    joints.on = False
+    assert not ok(), "silent"
+    rig.stack.client.publish(CONTROL_TARGET, target())
+    assert ok(CONTROL_TARGET), "holds until it is replaced"
+    assert {row.state for row in health[-10:]} == {"ok"} and not rig.service.brakes
 
 
 def test_a_service_is_alive() -> None:
