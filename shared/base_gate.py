@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +21,28 @@ _INSTANT = 1e-9
 """Less time [s] than this is none."""
 ASKED = 0.01
 """Share of its limit above which an axis counts as asked for, next to others."""
+_WHOLE = 1.0 + 1e-9
+"""One rounding error of a command exactly at the limit is no excess."""
+
+
+class _Way(NamedTuple):
+    """How fast the base is to go along an axis, and how fast it can that way [m/s, rad/s]."""
+
+    axis: str
+    name: str
+    limit: float
+    speed: float
+    unit: str
+
+    @property
+    def closed(self) -> bool:
+        """Whether it cannot go that way at all."""
+        return self.limit == 0.0 and self.speed != 0.0
+
+    @property
+    def share(self) -> float:
+        """Of the limit [1]."""
+        return abs(self.speed) / self.limit if self.limit else 0.0
 
 
 @dataclass(frozen=True)
@@ -27,8 +50,8 @@ class BaseLimits:
     """What a base can do.
 
     Attributes:
-        forwards, backwards, sideways: largest speeds [m/s]; ``sideways`` 0 = differential.
-        turning: largest turning rate [rad/s].
+        forwards, backwards, sideways: largest speeds [m/s]; 0 = not that way at all, as a differential base sideways.
+        turning: largest turning rate [rad/s]; 0 = not at all.
         acceleration, angular_acceleration: [m/s2, rad/s2], of speeding up and of slowing down.
         together: share [1] of the limits that is left when several axes move at once, by their names: "xy", "xz", "yz",
             "xyz"; 1 if not named.
@@ -47,16 +70,31 @@ class BaseLimits:
         """Largest velocity (3,) vx, vy [m/s], wz [rad/s] of each axis alone."""
         return np.array((self.forwards, self.sideways, self.turning))
 
-    def excess(self, velocity: Array) -> float:
-        """By what factor [1] a velocity (3,) that the base can go at all is too fast; at most 1 if it is not."""
-        x, y, turn = velocity.tolist()
-        shares = {
-            "x": abs(x) / (self.forwards if x > 0.0 else self.backwards),
-            "y": abs(y) / self.sideways if self.sideways else 0.0,
-            "z": abs(turn) / self.turning,
-        }
-        asked = "".join(axis for axis, share in shares.items() if share > ASKED)
-        return max(shares.values()) / self.together.get(asked, 1.0)
+    def within(self, velocity: Array) -> tuple[Array, str]:
+        """The velocity (3,) that the base can go, and the limit that has shortened it, in words; empty if none has.
+
+        It is shortened as a whole, so that the base stays on the path that was asked for; what it cannot go at all is
+        left out.
+        """
+        ways = self._ways(*velocity.tolist())
+        asked = [way for way in ways if way.share > ASKED]
+        together = self.together.get("".join(way.axis for way in asked), 1.0)
+        excess = max(way.share for way in ways) / together
+        over = [
+            f"{way.name} over {way.limit:g} {way.unit}" for way in ways if way.closed or way.share > _WHOLE
+        ]
+        if excess > _WHOLE and together < 1.0:
+            over = [f"{' and '.join(way.name for way in asked)} together over {together:g} of their limits"]
+        able = np.array([0.0 if way.closed else way.speed for way in ways])
+        return able / max(excess, 1.0), " and ".join(over)
+
+    def _ways(self, x: float, y: float, turn: float) -> tuple[_Way, _Way, _Way]:
+        ahead = ("forwards", self.forwards) if x > 0.0 else ("backwards", self.backwards)
+        return (
+            _Way("x", *ahead, x, "m/s"),
+            _Way("y", "sideways", self.sideways, y, "m/s"),
+            _Way("z", "turning", self.turning, turn, "rad/s"),
+        )
 
 
 class BaseGate:
@@ -95,19 +133,15 @@ class BaseGate:
         self._wanted = np.zeros(3)
         if not (valid and np.isfinite(wanted).all() and math.isfinite(ttl) and math.isfinite(age)):
             return
-        impossible = self.limits.sideways == 0.0 and wanted[1] != 0.0
-        if impossible:
-            wanted[1] = 0.0
-        excess = self.limits.excess(wanted)
-        if impossible or excess > 1.0 + 1e-9 or ttl > LONGEST_TTL:
+        able, over = self.limits.within(wanted)
+        if over or ttl > LONGEST_TTL:
             self.clamped += 1
         left = min(ttl, LONGEST_TTL) - max(age, 0.0)
         if left <= _INSTANT:
             self.late += 1
             return
         self._left = left
-        # Shortened as a whole: the base stays on the path that was asked for.
-        self._wanted = wanted / max(excess, 1.0)
+        self._wanted = able
 
     def stop(self, engaged: bool) -> None:
         """Engage or release the stop; it stays engaged until released."""

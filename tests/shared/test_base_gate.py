@@ -49,6 +49,10 @@ def test_the_axis_that_takes_longest_sets_the_pace_of_all() -> None:
         (OMNI, (1.0, 1.0, 0.0), (0.7, 0.7, 0.0)),
         (OMNI, (1.0, 0.0, 1.4), (0.5, 0.0, 0.7)),
         (OMNI, (1.0, 1.0, 1.4), (0.4, 0.4, 0.56)),
+        (BaseLimits(1.0, 0.0, 0.0, 2.0, 1.0, 2.0), (-0.5, 0.0, 0.5), (0.0, 0.0, 0.5)),
+        (BaseLimits(0.0, 0.2, 0.0, 2.0, 1.0, 2.0), (0.5, 0.0, 3.0), (0.0, 0.0, 2.0)),
+        (BaseLimits(1.0, 0.2, 0.5, 0.0, 1.0, 2.0), (0.3, 0.2, 0.1), (0.3, 0.2, 0.0)),
+        (BaseLimits(0.0, 0.0, 0.0, 0.0, 1.0, 2.0), (0.3, 0.2, 0.1), (0.0, 0.0, 0.0)),
     ],
 )
 def test_an_excess_is_shortened_as_a_whole_and_counted(
@@ -57,6 +61,12 @@ def test_an_excess_is_shortened_as_a_whole_and_counted(
     gate = BaseGate(limits)
     assert run(gate, 3.0, *asked)[-1] == pytest.approx(executed)
     assert gate.clamped > 0
+
+
+def test_rest_is_no_excess_of_a_base_that_cannot_move() -> None:
+    gate = BaseGate(BaseLimits(0.0, 0.0, 0.0, 0.0, 1.0, 2.0))
+    assert not run(gate, 0.1, 0.0, 0.0, 0.0).any()
+    assert gate.clamped == 0
 
 
 def test_what_is_allowed_is_not_counted() -> None:
@@ -126,7 +136,7 @@ def test_a_longer_ttl_than_allowed_is_cut() -> None:
     )
 )
 def test_whatever_is_asked_stays_within_speed_and_acceleration(commands: list[tuple[float, ...]]) -> None:
-    for limits in (DIFFERENTIAL, OMNI):
+    for limits in (DIFFERENTIAL, OMNI, BaseLimits(1.0, 0.0, 0.5, 0.0, 1.0, 2.0)):
         gate = BaseGate(limits)
         before = np.zeros(3)
         for *velocity, ttl, age in commands:
