@@ -102,6 +102,7 @@ class BaseGate:
 
     Attributes:
         clamped: number of commands that asked for more than is allowed, or for a way that the base cannot go.
+        clamped_by: the limit that the last of them was over, in words.
         expired: number of motions that silence broke off.
         late: number of commands that arrived past their ``ttl``.
     """
@@ -109,6 +110,7 @@ class BaseGate:
     def __init__(self, limits: BaseLimits) -> None:
         self.limits = limits
         self.clamped = 0
+        self.clamped_by = ""
         self.expired = 0
         self.late = 0
         self._wanted = np.zeros(3)
@@ -136,6 +138,7 @@ class BaseGate:
         able, over = self.limits.within(wanted)
         if over or ttl > LONGEST_TTL:
             self.clamped += 1
+            self.clamped_by = over or f"ttl over {LONGEST_TTL:g} s"
         left = min(ttl, LONGEST_TTL) - max(age, 0.0)
         if left <= _INSTANT:
             self.late += 1

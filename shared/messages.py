@@ -109,7 +109,12 @@ class RobotStatus(Record):
     simulated: bool = of(Boolean())
     max_linear: float = of(Number("m/s", minimum=0.0))
     max_angular: float = of(Number("rad/s", minimum=0.0))
-    max_base: np.ndarray = of(Vector("m/s, m/s, rad/s"))
+    max_base: np.ndarray = of(
+        Vector(
+            "m/s, m/s, rad/s",
+            "vx forwards, vy, wz, each alone; backwards or together the gate may execute less: see `reason`",
+        )
+    )
     held: int = of(
         Integer(minimum=0, doc="motions of the tool broken off for want of a fresh command"), default=0
     )

@@ -172,20 +172,17 @@ class RobotSide:
         )
         if mode == self._told and not news and self._until_report > _INSTANT:
             return []
-        counts = (
-            (self.gate.clamped, "commands clamped"),
-            (self.gate.expired, "commands expired"),
-            (self.gate.late, "commands late"),
-            (self.base_gate.clamped, "base commands clamped"),
-            (self.base_gate.expired, "base commands expired"),
-            (self.base_gate.late, "base commands late"),
-            *self._gripper.counts,
-            *self._head.counts,
-        )
+        gate, base = self.gate, self.base_gate
         parts = (
-            "" if mode == "ready" else self.gate.reason,
+            "" if mode == "ready" else gate.reason,
             *reasons,
-            *(f"{what}: {count}" for count, what in counts if count),
+            _counted(gate.clamped, "commands clamped"),
+            _counted(gate.expired, "commands expired"),
+            _counted(gate.late, "commands late"),
+            _counted(base.clamped, "base commands clamped", f"last: {base.clamped_by}"),
+            _counted(base.expired, "base commands expired"),
+            _counted(base.late, "base commands late"),
+            *(_counted(*row) for row in (*self._gripper.counts, *self._head.counts)),
             *self._refusals,
         )
         return [self._status(mode, "; ".join(part for part in parts if part))]
@@ -218,3 +215,7 @@ class RobotSide:
             held=self.gate.held,
         )
         return Output(STATE_ROBOT, status)
+
+
+def _counted(count: int, what: str, more: str = "") -> str:
+    return f"{what}: {count}{more and f' ({more})'}" if count else ""

@@ -63,6 +63,27 @@ def test_an_excess_is_shortened_as_a_whole_and_counted(
     assert gate.clamped > 0
 
 
+@pytest.mark.parametrize(
+    ("limits", "asked", "ttl", "limit"),
+    [
+        (DIFFERENTIAL, (-0.5, 0.0, 0.0), 0.1, "backwards over 0.2 m/s"),
+        (
+            DIFFERENTIAL,
+            (1.5, 0.1, 3.0),
+            0.1,
+            "forwards over 1 m/s and sideways over 0 m/s and turning over 2 rad/s",
+        ),
+        (OMNI, (0.6, 0.0, 0.9), 0.1, "forwards and turning together over 0.5 of their limits"),
+        (OMNI, (0.0, 0.0, -3.0), 0.1, "turning over 1.4 rad/s"),
+        (OMNI, (0.1, 0.0, 0.0), 0.5, "ttl over 0.2 s"),
+    ],
+)
+def test_the_limit_is_named(limits: BaseLimits, asked: tuple[float, ...], ttl: float, limit: str) -> None:
+    gate = BaseGate(limits)
+    gate.command(np.array(asked), ttl, 0.0)
+    assert (gate.clamped, gate.clamped_by) == (1, limit)
+
+
 def test_rest_is_no_excess_of_a_base_that_cannot_move() -> None:
     gate = BaseGate(BaseLimits(0.0, 0.0, 0.0, 0.0, 1.0, 2.0))
     assert not run(gate, 0.1, 0.0, 0.0, 0.0).any()

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from shared.limits import SILENCE
-from shared.messages import Header, Stop, TwistCommand
+from shared.messages import BaseTwistCommand, Header, Stop, TwistCommand
 from shared.robot_side import HOLDING_AFTER
 from shared.service import Inputs, Reading
-from shared.topics import COMMAND_EE_TWIST, STOP
+from shared.topics import COMMAND_BASE_TWIST, COMMAND_EE_TWIST, STOP
 from tests.shared.robot_rig import FORWARDS, ZERO, Process
 
 
@@ -122,3 +122,11 @@ def test_a_process_that_does_not_work_keeps_its_stop(process: Process) -> None:
     assert output.message.mode == "stopped"
     process.move()
     assert not process.tick().any()
+
+
+def test_the_limit_is_told_that_the_base_was_held_to(process: Process) -> None:
+    process.send(COMMAND_BASE_TWIST, BaseTwistCommand((-0.5, 0.0, 0.0)))
+    process.tick()
+    process.side.advance_base(0.01)
+    process.run(0.3)
+    assert "base commands clamped: 1 (last: backwards over 0.2 m/s)" in process.statuses[-1].reason
