@@ -3,31 +3,20 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.base.tool_motion import PEAK, speed_limits, tool_twist, wrench_rates
-from services.controller.contact import StiffnessBound
-from services.controller.zone import ContactZone
+from benchmarks.base_motion import PEAK, TOOL, declared, main, speed_limits, tool_twist, wrench_rates
 from shared.spatial import Array, rotation_from_vector, skew
 
+PAGE = Path(__file__).parents[2] / "docs" / "base.md"
 REACH = np.array((1.2, 0.3, 0.05))
 LIMIT = np.array((10.0, 10.0, 10.0, 0.5, 3.0, 3.0))
-TOOL = (0.5, -0.3, 1.0)
 RESPONSE = 0.06
-
-
-def declared(turn: float = 0.0) -> Array:
-    """Kbar of the controller's default contact with the limits of the carry, tool axes along base axes.
-
-    It holds while the base turns by ``turn`` [rad] and a little more.
-    """
-    bound = StiffnessBound((ContactZone(500.0, tuple(REACH), 0.0),))
-    bound.update(np.eye(3), turn, LIMIT[:3].tolist())
-    return bound.matrix.copy()
 
 
 @pytest.fixture(scope="module")
@@ -82,17 +71,14 @@ def test_at_the_limits_the_worst_axis_peaks_at_the_wanted_excess(stiffness: Arra
         assert share not in (0.0, 1.0) or peak == pytest.approx(0.2)
 
 
-def test_the_worked_number_of_the_documentation(stiffness: Array) -> None:
-    per_speed, per_turn = wrench_rates(stiffness, TOOL)
-    assert per_speed == pytest.approx((559, 559, 354, 129, 443, 737), abs=0.6)
-    assert per_turn == pytest.approx((672, 946, 510, 202, 629, 1214), abs=0.6)
-    assert speed_limits(stiffness, TOOL, LIMIT, 1.0, RESPONSE) == pytest.approx((0.0215, 0.0137), abs=5e-5)
-    assert RESPONSE * 0.4 * per_speed / LIMIT == pytest.approx((1.3, 1.3, 0.8, 6.2, 3.5, 5.9), abs=0.06)
-    assert LIMIT / (PEAK * RESPONSE * per_speed) == pytest.approx(
-        (0.10, 0.10, 0.16, 0.021, 0.038, 0.023), abs=4e-3
-    )
-    _, per_turn = wrench_rates(declared(turn=0.4 * RESPONSE), TOOL)
-    assert RESPONSE * 0.4 * per_turn / LIMIT == pytest.approx((1.6, 2.3, 1.2, 11.5, 5.2, 9.9), abs=0.06)
+def test_the_documentation_says_what_the_command_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    main([])
+    *table, _, sentence = capsys.readouterr().out.splitlines()
+    page = PAGE.read_text(encoding="utf-8").splitlines()
+    told = [line.split("|")[2:-1] for line in page if line.startswith("|") and line.count("|") == 8]
+    assert [line.split("|")[2:-1] for line in table] == told
+    assert sentence == "For an excess of 1 limits: 0.021 m/s, or 0.014 rad/s."
+    assert "**0.021 m/s or turn at 0.014 rad/s**" in "\n".join(page)
 
 
 def test_limits_scale_with_excess_and_against_response_and_stiffness(stiffness: Array) -> None:
