@@ -34,13 +34,14 @@ class QueryDesk:
         self._waiting: queue.Queue[tuple[Query, bytes, Reply]] = queue.Queue(_WAITING_QUERIES)
 
     def inbox(self, query: Query) -> OnRequest:
-        """The callback that takes requests of one key."""
+        """The callback that takes requests of one key; it refuses one itself only while too many are waiting."""
+        too_many = _refused(f"{query.key}: {_WAITING_QUERIES} requests are waiting already; ask again later")
 
         def on_request(payload: bytes, reply: Reply) -> None:
             try:
                 self._waiting.put_nowait((query, payload, reply))
             except queue.Full:
-                # The asker's own timeout tells him; replying from a bus thread could block the bus.
+                reply(too_many)
                 return
             self._wake()
 

@@ -146,14 +146,20 @@ def test_a_flood_of_queries_does_not_keep_the_loop_from_stepping() -> None:
     assert len(answered) + len(replies) - before <= 1
 
 
-def test_more_requests_than_fit_are_dropped_not_queued() -> None:
+def test_more_requests_than_fit_are_refused_not_queued() -> None:
     rig = Rig()
     inbox = rig.runner._desk.inbox(WRENCH_TARE)
     replies: list[bytes] = []
     for _ in range(1000):
         inbox(b"", replies.append)
+    assert len(replies) == 1000 - 32
+    for refusal in map(msgpack.unpackb, replies):
+        assert refusal == {
+            "ok": False,
+            "error": "wrench/tare: 32 requests are waiting already; ask again later",
+        }
     rig.stack.run(1.0)
-    assert len(replies) == 32
+    assert [msgpack.unpackb(reply)["ok"] for reply in replies[1000 - 32 :]] == [True] * 32
 
 
 def test_health_at_two_hertz_tells_state_reason_and_inputs() -> None:
