@@ -16,6 +16,7 @@ from shared.records import MapOf, Record, RecordOf, of
 
 LONGEST_TTL = 0.2
 """No command is executed for longer than this [s] after its publication, whatever its ``ttl`` says."""
+_TTL = f"at most {LONGEST_TTL:g}: a longer one counts as that"
 _ZERO3 = (0.0, 0.0, 0.0)
 
 
@@ -126,7 +127,7 @@ class TwistCommand(Record):
 
     linear: np.ndarray = of(Vector("m/s"))
     angular: np.ndarray = of(Vector("rad/s"))
-    ttl: float = of(Number("s", above=0.0), default=0.05)
+    ttl: float = of(Number("s", _TTL, above=0.0), default=0.05)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +135,7 @@ class BaseTwistCommand(Record):
     """Commanded base twist."""
 
     velocity: np.ndarray = of(Vector("m/s, m/s, rad/s", "vx, vy, wz"))
-    ttl: float = of(Number("s", above=0.0), default=0.1)
+    ttl: float = of(Number("s", _TTL, above=0.0), default=0.1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import MISSING
+from typing import Any
 
 from shared.fields import Boolean, Bytes, Integer, Kind, Number, Quaternion, Text, TextList, Vector
 from shared.messages import Header
@@ -38,6 +40,10 @@ _TYPES: tuple[tuple[type[Kind], str], ...] = (
 )
 
 
+_LEAST = Integer().minimum
+"""Below every bound that is worth a word."""
+
+
 def _type_name(kind: Kind) -> str:
     if isinstance(kind, RecordOf):
         return "map or null" if kind.nullable else "map"
@@ -51,11 +57,25 @@ def _type_name(kind: Kind) -> str:
     return f"float[{kind.size or 'n'}]"
 
 
+def _range(kind: Kind) -> str:
+    if isinstance(kind, (Number, Vector)) and kind.above > -math.inf:
+        return f"> {kind.above:g}"
+    if isinstance(kind, (Number, Vector, Integer)) and kind.minimum > _LEAST:
+        return f">= {kind.minimum:g}"
+    return ""
+
+
+def _absent(default: Any) -> str:
+    if default is MISSING:
+        return ""
+    if isinstance(default, tuple):
+        return f"[{', '.join(f'{number:g}' for number in default)}] if absent"
+    return f"{'empty' if default == '' else default} if absent"
+
+
 def _fields(record: type[Record], indent: str = "") -> Iterator[str]:
     for name, kind, default in record.kinds():
-        about = ", ".join(
-            part for part in (kind.unit, kind.doc, "" if default is MISSING else "may be absent") if part
-        )
+        about = ", ".join(part for part in (kind.unit, _range(kind), kind.doc, _absent(default)) if part)
         yield f"{indent}- `{name}` {_type_name(kind)}{': ' + about if about else ''}"
         if isinstance(kind, (RecordOf, MapOf)) and kind.record is not None:
             yield from _fields(kind.record, indent + "  ")

@@ -38,7 +38,7 @@ class HandState(Record):
 
 @dataclass(frozen=True, eq=False)
 class SimWorld(Record):
-    """Ground truth of the simulation, in ``base_footprint`` as it stood at the start."""
+    """Ground truth of the simulation, in world: ``base_footprint`` as it stood at the start."""
 
     time: float = of(Number("s", "simulated"))
     panel: PanelState | None = of(RecordOf(record=PanelState, nullable=True))

@@ -14,7 +14,15 @@ from hypothesis import strategies as st
 
 from shared.codec import MAP_CAP, Payload, Rejected, decode, decode_map, encode, encode_map
 from shared.fields import InvalidField, Kind, Number, Vector
-from shared.messages import ControlTarget, ExternalWrench, FtSample, GripperState, Header
+from shared.messages import (
+    BaseTwistCommand,
+    ControlTarget,
+    ExternalWrench,
+    FtSample,
+    GripperState,
+    Header,
+    TwistCommand,
+)
 from shared.records import MapOf, Record, RecordOf
 from shared.sim_messages import BagState
 from tests.shared.samples import SAMPLE, rejection
@@ -101,6 +109,15 @@ def test_only_the_fields_to_which_the_contract_gives_a_default_may_be_missing() 
         "ControlTarget.nominal_torque",
         "Stop.reason",  # a stop without a reason is still a stop
     }
+
+
+def test_a_command_without_a_ttl_has_that_of_the_contract() -> None:
+    header = {"seq": 0, "session": 1, "stamp": 0, "valid": True}
+    for message, fields, ttl in (
+        (TwistCommand, {"linear": [0.1, 0.0, 0.0], "angular": [0.0] * 3}, 0.05),
+        (BaseTwistCommand, {"velocity": [0.1, 0.0, 0.0]}, 0.1),
+    ):
+        assert decode(message, encode_map(header | fields))[1].ttl == ttl
 
 
 def _number_paths(record: type[Record], path: tuple[str, ...] = ()) -> list[tuple[tuple[str, ...], Kind]]:
