@@ -123,6 +123,36 @@ def test_stop_brakes_at_the_next_wrench_until_released() -> None:
     assert rig.velocity[0] > 0.0
 
 
+def test_an_invalid_stop_stops_but_an_invalid_release_releases_nothing() -> None:
+    rig = Rig().pushed()
+    rig.publish(STOP, Stop(True, "red button"), valid=False)
+    rig.run(3.0)
+    assert not rig.velocity.any() and rig.status.state == "off"
+    rig.publish(STOP, Stop(False), valid=False)
+    rig.run(1.0)
+    assert rig.resting and "red button" in rig.base.notes()
+    rig.publish(STOP, Stop(False))
+    rig.run(0.1)
+    assert rig.velocity[0] > 0.0
+
+
+def test_a_robot_that_is_stopped_while_the_base_moves_brakes_it_until_it_is_not() -> None:
+    """A stop whose message never came here."""
+    rig = Rig().pushed()
+    speed = rig.velocity[0]
+    rig.mode = "stopped"
+    rig.say_robot()
+    rig.run(0.02)
+    assert rig.velocity[0] == pytest.approx(speed - 0.7 * 0.02, abs=0.7 * 0.011)
+    assert rig.status.state == "braking" and "robot is stopped: by hand" in rig.base.notes()
+    rig.run(3.0)
+    assert not rig.velocity.any() and rig.status.state == "off"
+    rig.mode = "ready"
+    rig.say_robot()
+    rig.run(0.1)
+    assert rig.velocity[0] > 0.0
+
+
 def test_a_stop_from_before_its_start_is_heard_from_the_robot() -> None:
     rig = Rig()
     rig.mode = "stopped"
