@@ -16,7 +16,7 @@ from services.task.grasp import GraspWatch
 from services.task.journal import Entry, Recalled
 from services.task.nominal import NominalWrench
 from services.task.parameters import TaskParameters
-from services.task.states import HELD, Decision, Seen, State, patience
+from services.task.states import HELD, REACTIONS, Decision, Seen, State, patience
 
 
 class Machine(Commands):
@@ -86,6 +86,13 @@ class Machine(Commands):
             nominal=carry.nominal.force if carry else 0.0,
             supported=carry.nominal.supported if carry else False,
         )
+
+    @property
+    def trouble(self) -> str:
+        """The gravest fault that is present and concerns what is done now, in words; empty if none does."""
+        concerned = REACTIONS.get(State.CARRYING if self.state is State.HOLDING else self.state, {})
+        found = [fault for fault in self._faults if fault.kind in concerned]
+        return min(found, key=lambda fault: list(Kind).index(fault.kind)).sentence if found else ""
 
     @property
     def rotation(self) -> float:

@@ -129,8 +129,8 @@ class Task:
         raise Refused("the task's parameters are set at its start")
 
     def notes(self) -> str:
-        """Why a restart would not know of the carry, if so."""
-        return self._journal.problem
+        """What is wrong with what the task works with; else why a restart would not know of the carry, if so."""
+        return self.machine.trouble or self._journal.problem
 
     def _resume(self, seen: Seen, dt: float) -> bool:
         """Begin, once it is known whether the gripper holds something; false before."""

@@ -11,7 +11,7 @@ from services.task.task import Task
 from shared.client import Client
 from shared.clock import nanoseconds
 from shared.stack import Stack
-from shared.topics import CONTROL_TARGET, SENSOR_CAMERA, TASK_COMMAND
+from shared.topics import CONTROL_TARGET, SENSOR_CAMERA, TASK_COMMAND, health_topic
 from tests.services.task.robot import TICK, Robot
 
 
@@ -24,6 +24,7 @@ class Rig:
         self.settings = TaskParameters.of(parameters)
         self.robot = Robot(self.stack.client.watch, self.settings)
         self.publisher = Client(self.stack.bus, self.stack.scheduler.clock)
+        self.health = self.stack.client.watch(health_topic("task"))
         self.leads = True
         self.lag = 0.0
         """Time [s] since the images were taken that the camera sends now."""

@@ -101,11 +101,15 @@ def test_lost_wrench_while_carrying() -> None:
     assert not rig.robot.last(BASE_ENABLE).enabled
     rig.until("holding", 4.0)
     assert rig.robot.toy.gripped
+    rig.run(0.6)
+    health = rig.health.latest.message
+    assert health.state == "degraded" and "wrench/external is" in health.detail
+    assert not health.inputs[WRENCH_EXTERNAL.key].ok
     with pytest.raises(Refused, match="cannot carry on"):
         rig.ask("start")
     rig.robot.muted.clear()
     rig.run(1.0)
-    assert rig.robot.state == "holding"
+    assert rig.robot.state == "holding" and rig.health.latest.message.state == "ok"
     assert rig.ask("start") == "carrying"
     rig.run(0.5)
     assert rig.robot.last(BASE_ENABLE).enabled
