@@ -34,6 +34,13 @@ class HandState(Record):
     force: np.ndarray = of(Vector("N"))
     torque: np.ndarray = of(Vector("Nm"))
     doing: str = of(Text(), default="")
+    wanted: np.ndarray = of(
+        Vector("m", "where he wants them; where they are while they hold nothing"), default=(0.0,) * 3
+    )
+    wanted_orientation: np.ndarray = of(
+        Quaternion(doc="how he wants the panel turned; how it is while he holds nothing"),
+        default=(0.0, 0.0, 0.0, 1.0),
+    )
 
 
 @dataclass(frozen=True, eq=False)

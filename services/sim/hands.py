@@ -49,6 +49,10 @@ class Hands:
         self.rotation = panel.body.rotation.copy()
         self._before = self.position, self.rotation
 
+    def wish(self, panel: Panel) -> tuple[Array, Array]:
+        """Where they want to be (3,) [m] and the panel to be turned (3, 3), in world; where both are if they let go."""
+        return (self.position, self.rotation) if self.holding else (self.place, panel.body.rotation)
+
     def ease(self, panel: Panel, share: float) -> None:
         """Want a share [0, 1] less of what they do not have."""
         self.lifting *= 1.0 - share

@@ -176,5 +176,8 @@ class Simulator:
             panel = PanelState(body.position, quaternion(body.rotation))
             if carry.person.asked:
                 hands = carry.person.hands
-                hand = HandState(hands.place, hands.force, hands.torque, carry.person.doing)
+                wanted, turned = hands.wish(carry.panel)
+                hand = HandState(
+                    hands.place, hands.force, hands.torque, carry.person.doing, wanted, quaternion(turned)
+                )
         return SimWorld(self.world.time, panel, state, hand, np.array(self.world.contact_force), visible)

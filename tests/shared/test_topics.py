@@ -134,7 +134,19 @@ CONTRACT: dict[str, tuple[str, dict[str, object]]] = {
 }
 FREE: dict[str, dict[str, object]] = {
     "state/robot": {"held": int},
-    "sim/world": {"hand": (None, {"position": V3, "force": V3, "torque": V3, "doing": str})},
+    "sim/world": {
+        "hand": (
+            None,
+            {
+                "position": V3,
+                "force": V3,
+                "torque": V3,
+                "doing": str,
+                "wanted": V3,
+                "wanted_orientation": V4,
+            },
+        )
+    },
 }
 """What stands beside the contract's fields, which leaves free whatever it does not name; readers do without."""
 RATES = {

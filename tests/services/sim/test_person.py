@@ -17,6 +17,7 @@ from services.sim.script import read
 from shared import topics
 from shared.constants import GRAVITY
 from shared.parameters import Refused
+from shared.sim_messages import HandState
 from shared.spatial import rotation_from_vector
 from tests.services.sim.rig import Rig
 from tests.services.sim.statics import statics
@@ -200,6 +201,33 @@ def test_the_world_shows_his_hands_once_he_is_asked() -> None:
     rig.ask(command="reset")
     rig.run(0.1)
     assert rig.last(topics.SIM_WORLD).hand is None
+
+
+def test_the_world_tells_what_his_hands_want_and_what_they_have_if_they_let_go() -> None:
+    rig = Rig(scene="carry")
+    rig.ask(command="hand", script='[[phase]]\ndo = "wait"\nuntil = "grasp"\npatience = 5')
+    rig.run(0.1)
+    world = rig.last(topics.SIM_WORLD)
+    assert world.hand.wanted == pytest.approx(world.hand.position)
+    assert world.hand.wanted_orientation == pytest.approx(world.panel.orientation)
+    assert world.hand.position == pytest.approx((0.57 + 1.2 - 0.03, -0.39, 0.78), abs=1e-3)
+    # The near end lies on its trestle: what he wants and what he has differ.
+    turn = '[[phase]]\ndo="lift"\nheight=0.1\npause=0\n[[phase]]\ndo="turn"\nabout="z"\nangle=20\npause=9'
+    rig.ask(command="hand", script=turn)
+    rig.run(6.0)
+    hands, hand = rig.simulator.world.carry.person.hands, rig.last(topics.SIM_WORLD).hand
+    assert hand.wanted == pytest.approx((1.74, -0.39, 0.88), abs=2e-3)
+    assert hand.wanted == pytest.approx(hands.position, abs=1e-6)
+    assert np.linalg.norm(hand.wanted - hand.position) > 1e-3
+    assert hand.wanted_orientation == pytest.approx(
+        (0.0, 0.0, math.sin(math.radians(10)), math.cos(math.radians(10)))
+    )
+
+
+def test_a_hand_that_says_nothing_of_what_it_wants_is_read_all_the_same() -> None:
+    hand = HandState.from_plain({"position": [1, 2, 3], "force": [0, 0, 0], "torque": [0, 0, 0]})
+    assert hand.wanted == pytest.approx((0, 0, 0))
+    assert hand.wanted_orientation == pytest.approx((0, 0, 0, 1))
 
 
 def test_held_at_both_ends_the_wrist_carries_what_statics_say() -> None:
