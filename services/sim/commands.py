@@ -21,6 +21,8 @@ FARTHEST = 20.0
 """Of a target of the person's hands [m]."""
 LONGEST_DELAY = 5.0
 """[s]"""
+WHITE = 255.0
+"""Brightest value of a pixel."""
 _AXES = {"ft": 6, "joints": 8}
 _NO_PANEL = 'there is no panel in this scene; start with scene="carry"'
 
@@ -95,11 +97,11 @@ class Commands:
             raise Refused(f"target is {target!r}, allowed are {', '.join(self._lines)}")
         if not isinstance(kind, str) or kind not in KINDS:
             raise Refused(f"kind is {kind!r}, allowed are {', '.join(KINDS)}")
-        if target == "camera" and kind == "bias":
-            raise Refused("kind is 'bias': a camera has none; allowed are off, stuck, garbage, delay, ok")
         value: Array = np.zeros(1)
         if kind == "delay":
             value = np.array([_number(request, "value", "s", 0.0, LONGEST_DELAY)])
+        elif kind == "bias" and target == "camera":
+            value = np.array([_number(request, "value", "of 255", -WHITE, WHITE)])
         elif kind == "bias":
             given = request.get("value")
             axes = _AXES[target] if isinstance(given, (list, tuple)) else 1

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+
 from services.sim.camera import Camera
 from services.sim.sensor_faults import SensorLine
 from services.sim.sights import Sights
@@ -37,7 +41,8 @@ class Eye:
             stretch: real time per simulated time.
         """
         if exposed:
-            self._camera.expose(self.sights.look(), time)
+            look = replace(self.sights.look(), brighter=float(self._line.shift(np.zeros(1))[0]))
+            self._camera.expose(look, time)
         shot = self._camera.shot(time)
         if shot is None:
             return self._line.send([], tick)

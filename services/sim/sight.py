@@ -30,6 +30,7 @@ class Look:
         panel, panel_rotation: of the panel's centre (3,) [m], (3, 3).
         supports: positions (2, 3) [m] of the trestles' upper edges and their heading [rad]; None: taken away.
         covered: whether something is over the marker.
+        brighter: what is added to each pixel's values [of 255].
     """
 
     position: Array
@@ -39,6 +40,7 @@ class Look:
     panel_rotation: Array
     supports: tuple[Array, float] | None
     covered: bool
+    brighter: float = 0.0
 
 
 @dataclass(frozen=True)

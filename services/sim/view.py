@@ -48,10 +48,10 @@ class Renderer:
         )
         picture, nothing = self._canvas.render(WIDTH, HEIGHT, view, self._projection)
         picture[nothing] = np.minimum(self._sight.light * np.array(BACKGROUND), 255.0).astype(np.uint8)
-        if self._sight.noise == 0.0:
+        if self._sight.noise == 0.0 and look.brighter == 0.0:
             return picture
         grain = self._sight.noise * self._random.standard_normal(picture.shape, dtype=np.float32)
-        return np.clip(picture + grain, 0.0, 255.0).astype(np.uint8)
+        return np.clip(picture + (grain + np.float32(look.brighter)), 0.0, 255.0).astype(np.uint8)
 
     def _pose(self, look: Look) -> None:
         self._canvas.pose(look.joints)

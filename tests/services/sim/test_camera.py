@@ -231,8 +231,21 @@ def test_camera_faults(rig: Watched) -> None:
     rig.ask(command="fault", target="camera", kind="ok")
     rig.look(-0.45, -0.5)
     assert rig.last(topics.SENSOR_CAMERA).orientation == pytest.approx(pose, abs=1e-6)
-    with pytest.raises(Refused, match="a camera has none"):
-        rig.ask(command="fault", target="camera", kind="bias", value=1.0)
+
+
+def test_a_biased_camera_is_brighter_or_darker_up_to_white_and_black(rig: Watched) -> None:
+    right = rig.picture
+    for bias in (40.0, -40.0, 255.0, -255.0):
+        rig.ask(command="fault", target="camera", kind="bias", value=bias)
+        rig.run(0.3)
+        # What JPEG blurs at the edges of the marker counts for little in the whole.
+        assert rig.picture.mean() == pytest.approx(np.clip(right + bias, 0, 255).mean(), abs=1.5)
+    rig.ask(command="fault", target="camera", kind="ok")
+    rig.run(0.3)
+    assert rig.picture.mean() == pytest.approx(right.mean(), abs=0.5)
+    for value in (None, 256.0, [1.0] * 3, True):
+        with pytest.raises(Refused, match="allowed is a number from -255 to 255 of 255"):
+            rig.ask(command="fault", target="camera", kind="bias", value=value)
 
 
 def test_nobody_looks_nothing_is_rendered(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -86,6 +86,7 @@ def test_reset_takes_bag_pushes_and_faults_away_and_the_arm_home(rig: Rig) -> No
         ({"command": "push", "torque": "much", "duration": 1}, "torque is 'much'"),
         ({"command": "push", "force": [1, 2, 3]}, "duration is None"),
         ({"command": "fault", "target": "camera", "kind": "off"}, "no panel"),
+        ({"command": "fault", "target": "camera", "kind": "bias", "value": 1}, "no panel"),
         ({"command": "fault", "target": "wheels", "kind": "off"}, "allowed are ft, joints, camera"),
         ({"command": "fault", "target": "ft", "kind": "sad"}, "off, stuck, garbage, bias, delay, ok"),
         ({"command": "fault", "target": "ft", "kind": "delay", "value": -1}, "value is -1"),
