@@ -133,7 +133,8 @@ SIM_COMMAND = Query(
     "sim/command",
     ROBOT,
     '`command` "reset"; "load" {`mass` kg}; "push" {`force`[3], `torque`[3], `duration` s}; '
-    '"hand" {`script` name or TOML, or `target`[3] m in world}; "cover_marker"; "fault" {`target`, `kind`, `value`}; '
+    '"hand" {`script` name or TOML, or `target`[3] m in world}; "cover_marker" {`covered` bool, default true}; '
+    '"fault" {`target`, `kind`, `value`}; '
     "simulation only",
     "nothing",
 )

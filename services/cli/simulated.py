@@ -49,10 +49,14 @@ def hand(
     typer.echo(f"the hands go to {target} m, at 0.15 m/s")
 
 
-def cover(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) -> None:
-    """Put something over the simulated panel's marker."""
-    _command(robot, connect, {"command": "cover_marker"})
-    typer.echo("the marker is covered")
+def cover(
+    off: Annotated[bool, typer.Option("--off", help="Take it off again.")] = False,
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Put something over the simulated panel's marker, or take it off."""
+    _command(robot, connect, {"command": "cover_marker", "covered": not off})
+    typer.echo(f"the marker is {'uncovered' if off else 'covered'}")
 
 
 def _command(robot: str, connect: str, request: dict[str, Any]) -> None:

@@ -84,10 +84,13 @@ class Commands:
         else:
             raise Refused(f"script is {given!r}, allowed is text")
 
-    def _cover_marker(self, _request: Mapping[str, Any]) -> None:
+    def _cover_marker(self, request: Mapping[str, Any]) -> None:
         if self._world.carry is None:
             raise Refused(f"cover_marker: {_NO_PANEL}")
-        self._world.carry.covered = True
+        covered = request.get("covered", True)
+        if not isinstance(covered, bool):
+            raise Refused(f"covered is {covered!r}, allowed are true and false")
+        self._world.carry.covered = covered
 
     def _fault(self, request: Mapping[str, Any]) -> None:
         target, kind = request.get("target"), request.get("kind")

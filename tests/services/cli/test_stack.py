@@ -75,6 +75,13 @@ def test_the_base_is_part_of_the_stack_if_asked_for(stack: Process, endpoint: st
     assert '"off"' in done.stdout
 
 
+def test_the_marker_is_covered_and_uncovered(stack: Process, endpoint: str) -> None:
+    for arguments, says, visible in (([], "covered", False), (["--off"], "uncovered", True)):
+        assert tandem("cover", *arguments, "--connect", endpoint).stdout == f"the marker is {says}\n"
+        done = tandem("topic", "echo", "sim/world", "--count", "1", "--connect", endpoint)
+        assert f'"marker_visible": {str(visible).lower()}' in done.stdout
+
+
 def test_stop_is_latched_until_resume(stack: Process, endpoint: str) -> None:
     assert tandem("stop", "by hand", "--connect", endpoint).returncode == 0
     status = tandem("status", "--connect", endpoint)

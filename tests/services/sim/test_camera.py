@@ -198,13 +198,16 @@ def test_it_turns_away_and_back(rig: Watched) -> None:
     assert rig.last(topics.SIM_WORLD).marker_visible
 
 
-def test_covered_it_is_gone_until_reset(rig: Watched) -> None:
+@pytest.mark.parametrize("uncover", [{"command": "reset"}, {"command": "cover_marker", "covered": False}])
+def test_covered_it_is_gone_until_it_is_uncovered(rig: Watched, uncover: dict[str, object]) -> None:
     corners = rig.seen()
     rig.ask(command="cover_marker")
     rig.run(0.3)
     assert not rig.last(topics.SIM_WORLD).marker_visible
     assert rig.picture[whole_polygon(corners)].min() > 60
-    rig.ask(command="reset")
+    with pytest.raises(Refused, match="covered is 'no', allowed are true and false"):
+        rig.ask(command="cover_marker", covered="no")
+    rig.ask(**uncover)
     rig.look(-0.45, -0.5)
     assert rig.last(topics.SIM_WORLD).marker_visible
     assert rig.picture[whole_polygon(corners)].min() < 60
