@@ -28,23 +28,24 @@ def hand(
     where: Annotated[
         list[str],
         typer.Argument(
-            help="X Y Z [m] to guide the hands to, in base_footprint as it stood at the start; or: carry"
+            help="X Y Z [m] to guide the hands to, in base_footprint as it stood at the start; or: carry; or the text "
+            "of a script in TOML"
         ),
     ],
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
-    """Have the simulated person guide the panel's far end somewhere, or play the whole carry."""
+    """Have the simulated person guide the panel's far end somewhere, or play the whole carry or a script."""
     if len(where) == 1:
         _command(robot, connect, {"command": "hand", "script": where[0]})
-        typer.echo(f"the person plays {where[0]!r}")
+        typer.echo(f"the person plays {where[0] if where[0].isidentifier() else 'your script'}")
         return
     try:
         target = [float(number) for number in where]
     except ValueError:
         target = []
     if len(target) != 3 or not all(map(math.isfinite, target)):
-        refuse(f"hand {' '.join(where)}: wanted X Y Z in m, or the name of a script: carry")
+        refuse(f"hand {' '.join(where)}: wanted X Y Z in m, carry, or the text of a script")
     _command(robot, connect, {"command": "hand", "target": target})
     typer.echo(f"the hands go to {target} m, at 0.15 m/s")
 

@@ -82,6 +82,18 @@ def test_the_marker_is_covered_and_uncovered(stack: Process, endpoint: str) -> N
         assert f'"marker_visible": {str(visible).lower()}' in done.stdout
 
 
+def test_the_person_plays_a_script_of_ones_own(stack: Process, endpoint: str, tmp_path: Path) -> None:
+    script = tmp_path / "my.toml"
+    script.write_text('# Mine.\n[[phase]]\ndo = "wait"\nuntil = "grasp"\npatience = 600\n')
+    assert (
+        tandem("hand", script.read_text(), "--connect", endpoint).stdout == "the person plays your script\n"
+    )
+    done = tandem("topic", "echo", "sim/world", "--count", "1", "--connect", endpoint)
+    assert '"doing": "wait"' in done.stdout
+    refused = tandem("hand", script.read_text().replace("wait", "dance"), "--connect", endpoint)
+    assert refused.returncode == 1 and "dance" in refused.stderr
+
+
 def test_stop_is_latched_until_resume(stack: Process, endpoint: str) -> None:
     assert tandem("stop", "by hand", "--connect", endpoint).returncode == 0
     status = tandem("status", "--connect", endpoint)
