@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -42,8 +43,12 @@ class OwnDarkroom:
     complaint = ""
 
     def __init__(self, sight: Sight) -> None:
-        self._renderer = Renderer(sight)
+        self._sight = sight
         self._look: Look | None = None
+
+    @cached_property
+    def _renderer(self) -> Renderer:
+        return Renderer(self._sight)
 
     def expose(self, look: Look) -> None:
         self._look = look

@@ -24,7 +24,7 @@ LONGEST_DELAY = 5.0
 WHITE = 255.0
 """Brightest value of a pixel."""
 _AXES = {"ft": 6, "joints": 8}
-_NO_PANEL = 'there is no panel in this scene; start with scene="carry"'
+_NO_PANEL = 'there is no panel in the scene "load"; start with scene="full", the default, or "carry"'
 
 
 class Commands:

@@ -20,7 +20,7 @@ ENDED = "no pictures: the process that renders them has ended"
 
 
 class OtherDarkroom:
-    """Has pictures developed by another process.
+    """Has pictures developed by another process, which is started for the first one.
 
     Attributes:
         complaint: why there are no pictures any more, or "".
@@ -30,6 +30,30 @@ class OtherDarkroom:
     """
 
     def __init__(self, sight: Sight) -> None:
+        self._sight = sight
+        self._connection: Connection | None = None
+        self.complaint = ""
+
+    def expose(self, look: Look) -> None:
+        """Begin with a picture."""
+        try:
+            if self._connection is None:
+                self._connection = self._opened()
+            self._connection.send(look)
+        except OSError:
+            self.complaint = ENDED
+
+    def picture(self) -> bytes | None:
+        """The picture begun as a JPEG image, once, when it is ready."""
+        if self._connection is None:
+            return None
+        try:
+            return self._connection.recv_bytes() if self._connection.poll() else None
+        except (EOFError, OSError):
+            self.complaint = ENDED
+            return None
+
+    def _opened(self) -> Connection:
         ours, theirs = socket.socketpair()
         with theirs:
             descriptor = theirs.fileno()
@@ -40,24 +64,9 @@ class OtherDarkroom:
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
             )
-        self.complaint = ""
-        self._connection = Connection(ours.detach())
-        self._connection.send(sight)
-
-    def expose(self, look: Look) -> None:
-        """Begin with a picture."""
-        try:
-            self._connection.send(look)
-        except OSError:
-            self.complaint = ENDED
-
-    def picture(self) -> bytes | None:
-        """The picture begun as a JPEG image, once, when it is ready."""
-        try:
-            return self._connection.recv_bytes() if self._connection.poll() else None
-        except (EOFError, OSError):
-            self.complaint = ENDED
-            return None
+        connection = Connection(ours.detach())
+        connection.send(self._sight)
+        return connection
 
 
 def main(descriptor: int) -> None:

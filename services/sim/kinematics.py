@@ -45,6 +45,9 @@ tool is too much. Here the elbow is low, the torso high and the elbow joint near
 of its 3 Nm. Going down only makes that easier.
 """
 
+FULL_HOME = HOME | {"head_2_joint": -0.5}
+"""The same with the head lowered a little, so that the whole marker on the panel is in the picture."""
+
 CARRY_HOME = HOME | {
     "torso_lift_joint": 0.22344,
     "arm_right_1_joint": 0.09663,

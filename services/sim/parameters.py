@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from pydantic import model_validator
 
 from services.sim.carry import CarrySpec
 from services.sim.panel import PanelSpec
@@ -13,14 +16,23 @@ SLOWEST_RATE = 30.0
 """Rate [Hz] in real time below which the contract's readers take a sensor for silent in between."""
 
 BaseType = Literal["differential", "omni"]
-SceneName = Literal["load", "carry"]
+SceneName = Literal["full", "load", "carry"]
+
+_AHEAD_OF_THE_ARM = (0.57, -0.39, 0.78)
+"""Where the panel's edge is [m] in the scene "carry": 2 cm in front of the fingers at their start."""
+_CLEAR_OF_THE_ARM = (0.64, -0.27, 0.78)
+"""In the scene "full": 4 cm in front of the fingers' ends at their start, so that they pass it on their way down; and
+so far to the left that open fingers do not hide the marker from the head."""
 
 
 class SimParameters(Parameters):
     """Rates, sensor errors and speed limits of the simulated TIAGo, and what is around it."""
 
     scene: SceneName = parameter(
-        "load", unit="", doc="what is around it: bags on a rope, or also a panel to carry and a person"
+        "full",
+        unit="",
+        doc="what is around it: load has bags on a rope; carry also a panel, a person and a camera, and the arm starts "
+        "in front of the panel; full has all of it, and the arm starts as in load",
     )
 
     ft_rate: float = parameter(
@@ -80,11 +92,12 @@ class SimParameters(Parameters):
         "if this is above 4 m g h / t2, h the height of its centre: 7100 for the default panel",
     )
     panel_position: Vector3 = parameter(
-        (0.57, -0.39, 0.78),
+        _CLEAR_OF_THE_ARM,
         unit="m",
         minimum=-5.0,
         maximum=5.0,
-        doc="middle of the panel's edge towards the robot as it lies on its supports, in base at the start",
+        doc="middle of the panel's edge towards the robot as it lies on its supports, in base at the start; "
+        f"{list(_AHEAD_OF_THE_ARM)} by default in the scene carry",
     )
     panel_yaw: float = parameter(
         0.0,
@@ -128,6 +141,11 @@ class SimParameters(Parameters):
     seed: int = parameter(
         0, unit="", minimum=0, maximum=2**63 - 1, doc="of the noise of force-torque sensor and camera"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _placed(cls, given: Mapping[str, Any]) -> Mapping[str, Any]:
+        return {"panel_position": _AHEAD_OF_THE_ARM, **given} if given.get("scene") == "carry" else given
 
     def carry(self) -> CarrySpec:
         """The carrying scenario."""

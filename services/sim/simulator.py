@@ -14,6 +14,7 @@ from services.sim.commands import Commands
 from services.sim.eye import Eye
 from services.sim.ft_sensor import ForceTorqueSensor
 from services.sim.gripper import RANGES as GRIPPER_RANGES
+from services.sim.kinematics import CARRY_HOME, FULL_HOME, HOME
 from services.sim.pace import Pace, Ticks
 from services.sim.parameters import SimParameters
 from services.sim.sensor_faults import SensorLine
@@ -31,6 +32,8 @@ from shared.service import Inputs, Output, Wiring
 from shared.sim_messages import BagState, HandState, PanelState, SimWorld
 from shared.spatial import quaternion
 from shared.topics import Query
+
+_STARTS = {"full": FULL_HOME, "load": HOME, "carry": CARRY_HOME}
 
 
 class Simulator:
@@ -50,8 +53,8 @@ class Simulator:
         self._ticks = Ticks(parameters.ft_rate, parameters.joint_rate, parameters.physics_rate)
         # Real time per simulated time: the gate's deadlines are promises in real time.
         self._stretch = 1.0 / parameters.real_time_factor
-        carry = Carry(parameters.carry(), self._ticks.step) if parameters.scene == "carry" else None
-        self.world = World(self._ticks.step, carry)
+        carry = Carry(parameters.carry(), self._ticks.step) if parameters.scene != "load" else None
+        self.world = World(self._ticks.step, _STARTS[parameters.scene], carry)
         limits = GateLimits(
             parameters.max_linear,
             parameters.max_angular,

@@ -13,7 +13,6 @@ from services.sim.base import MobileBase, Vector
 from services.sim.carry import Carry, Tool
 from services.sim.gripper import Gripper
 from services.sim.head import Head
-from services.sim.kinematics import CARRY_HOME, HOME
 from shared.spatial import Array, rotation_from_vector
 
 
@@ -37,11 +36,12 @@ class World:
 
     Args:
         step: duration [s] of one physics step.
+        start: see above.
         carry: the carrying scenario, if it is part of the scene.
     """
 
-    def __init__(self, step: float, carry: Carry | None = None) -> None:
-        self.start: Mapping[str, float] = HOME if carry is None else CARRY_HOME
+    def __init__(self, step: float, start: Mapping[str, float], carry: Carry | None = None) -> None:
+        self.start = start
         self.arm = Arm(step, self.start)
         self.head = Head(self.start)
         self.base = MobileBase()

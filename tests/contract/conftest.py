@@ -12,7 +12,9 @@ from tests.contract.robot import Commander, Robot, RobotProcess, launch
 ROBOTS = {
     "sim": RobotProcess("services.sim"),
     "stub": RobotProcess(
-        "tests.support.stub_robot", with_a_kilogram=("--set", "load=[0.0, 0.0, -9.81, 0.0, 0.0, 0.0]")
+        "tests.support.stub_robot",
+        with_a_kilogram=("--set", "load=[0.0, 0.0, -9.81, 0.0, 0.0, 0.0]"),
+        camera=False,
     ),
 }
 

@@ -8,9 +8,12 @@ import secrets
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
+import msgpack
 import numpy as np
 import zenoh
 
@@ -29,12 +32,14 @@ from shared.records import Record
 from shared.spatial import Array, rotation_matrix
 from shared.topics import (
     COMMAND_EE_TWIST,
+    SENSOR_CAMERA,
     SENSOR_FT,
     STATE_BASE,
     STATE_EE,
     STATE_GRIPPER,
     STATE_ROBOT,
     STOP,
+    TOPICS,
     Topic,
     topic_by_key,
 )
@@ -57,11 +62,13 @@ class RobotProcess:
         module: for ``python -m``.
         options: besides ``--robot`` and ``--connect``.
         with_a_kilogram: options with which it starts with 1 kg hanging from its tool; None if ``sim/command`` hangs it.
+        camera: whether it has one.
     """
 
     module: str
     options: tuple[str, ...] = ()
     with_a_kilogram: tuple[str, ...] | None = None
+    camera: bool = True
 
 
 @dataclass(frozen=True)
@@ -131,17 +138,38 @@ class Commander(Network):
 
 
 class Robot(Network):
-    """Everything that is published under the robot's name."""
+    """What is published under the robot's name, but for the camera's pictures: they are taken for those who ask."""
 
     def __init__(self, endpoint: str, name: str = NAME) -> None:
         super().__init__(endpoint)
         self._name = name
         self.heard: dict[str, deque[Heard]] = {}
         self.rejected: list[str] = []
-        self._subscriber = self.session.declare_subscriber(f"{name}/**", self._on_sample)
+        keys = [topic.key for topic in TOPICS if topic is not SENSOR_CAMERA] + ["health/*"]
+        self._subscribers = [
+            self.session.declare_subscriber(f"{name}/{key}", self._on_sample) for key in keys
+        ]
+
+    @contextmanager
+    def listening(self, key: str) -> Iterator[deque[zenoh.Sample]]:
+        """What else is published there, while it is listened to."""
+        samples: deque[zenoh.Sample] = deque(maxlen=_KEPT)
+        subscriber = self.session.declare_subscriber(f"{self._name}/{key}", samples.append)
+        yield samples
+        subscriber.undeclare()
+
+    def key(self, sample: zenoh.Sample) -> str:
+        """The contract's key of a sample."""
+        return str(sample.key_expr).removeprefix(f"{self._name}/")
+
+    def ask(self, key: str, **request: Any) -> dict[str, Any]:
+        """The one answer to a query."""
+        replies = self.session.get(f"{self._name}/{key}", payload=msgpack.packb(request), timeout=10.0)
+        (answer,) = (msgpack.unpackb(reply.ok.payload.to_bytes()) for reply in replies)
+        return answer
 
     def _on_sample(self, sample: zenoh.Sample) -> None:
-        key = str(sample.key_expr).removeprefix(f"{self._name}/")
+        key = self.key(sample)
         topic = topic_by_key(key)
         if topic is STOP or key.startswith("command/"):
             return

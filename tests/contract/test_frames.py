@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import msgpack
 import numpy as np
 import pytest
 
 from shared.spatial import cross, rotation_matrix, rotation_vector
 from shared.topics import SENSOR_FT, STATE_EE
 from tests.conftest import Router, _processes
-from tests.contract.robot import NAME, PATIENCE, ZERO, Commander, Robot, RobotProcess, launch
+from tests.contract.robot import PATIENCE, ZERO, Commander, Robot, RobotProcess, launch
 from tests.support.wait import eventually
 
 pytestmark = pytest.mark.processes
@@ -75,9 +74,7 @@ def with_a_kilogram(
 ) -> Iterator[Robot]:
     """The robot once a mass of 1 kg hangs from its tool."""
     if kind.with_a_kilogram is None:
-        request = msgpack.packb({"command": "load", "mass": 1.0})
-        replies = robot.session.get(f"{NAME}/sim/command", payload=request, timeout=10.0)
-        assert [msgpack.unpackb(reply.ok.payload.to_bytes())["ok"] for reply in replies] == [True]
+        assert robot.ask("sim/command", command="load", mass=1.0) == {"ok": True}
         yield robot
         return
     with _processes(tmp_path_factory.mktemp("loaded")) as start_process:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import io
 import itertools
 from collections import Counter
 
 import pytest
+from PIL import Image
 
-from shared.messages import RobotStatus
+from shared.codec import decode
+from shared.messages import CameraImage, Header, RobotStatus
+from shared.sim_messages import SimWorld
 from shared.topics import (
+    SENSOR_CAMERA,
     SENSOR_FT,
     SIM_WORLD,
     STATE_BASE,
@@ -18,7 +23,7 @@ from shared.topics import (
     STATE_ROBOT,
     Topic,
 )
-from tests.contract.robot import PATIENCE, Heard, Robot
+from tests.contract.robot import PATIENCE, Heard, Robot, RobotProcess
 from tests.support.wait import eventually
 
 pytestmark = pytest.mark.processes
@@ -38,11 +43,15 @@ def rate(heard: list[Heard]) -> float:
     return (last.seq - first.seq) / max((last.stamp - first.stamp) * 1e-9, 1e-9)
 
 
-def test_every_key_of_the_robot_and_none_of_anybody_else(robot: Robot) -> None:
-    for topic in ALWAYS:
-        messages(robot, topic, 5)
-    others = {key for key in robot.heard if not key.startswith("health/")} - {topic.key for topic in ALWAYS}
-    assert others == ({SIM_WORLD.key} if robot.status.simulated else set())
+def test_every_key_of_the_robot_and_none_of_anybody_else(robot: Robot, kind: RobotProcess) -> None:
+    wanted = {topic.key for topic in ALWAYS}
+    wanted |= {SIM_WORLD.key} if robot.status.simulated else set()
+    # Who listens to everything listens to the camera too.
+    wanted |= {SENSOR_CAMERA.key} if kind.camera else set()
+    with robot.listening("**") as samples:
+        eventually(lambda: wanted <= set(map(robot.key, list(samples))), PATIENCE, "every key is heard")
+    heard = {key for key in map(robot.key, samples) if not key.startswith("health/")}
+    assert heard == wanted
 
 
 def test_every_message_is_one_of_the_contract(robot: Robot) -> None:
@@ -51,6 +60,38 @@ def test_every_message_is_one_of_the_contract(robot: Robot) -> None:
     assert {heard.encoding for all_heard in robot.heard.values() for heard in list(all_heard)} == {
         "application/msgpack"
     }
+
+
+def test_the_camera_delivers_while_somebody_subscribes_and_only_then(
+    robot: Robot, kind: RobotProcess
+) -> None:
+    if not kind.camera:
+        pytest.skip("it has no camera")
+
+    def pictures(count: int) -> list[tuple[Header, CameraImage]]:
+        with robot.listening(SENSOR_CAMERA.key) as samples:
+            eventually(lambda: len(samples) >= count, PATIENCE, f"{count} pictures")
+        return [decode(CameraImage, item.payload.to_bytes(), SENSOR_CAMERA.cap) for item in samples]
+
+    before = pictures(12)
+    header, image = before[-1]
+    assert header.valid
+    assert Image.open(io.BytesIO(image.data)).size == (image.width, image.height)
+    # Whether it goes on where nobody hears it, the numbers tell that it has used up meanwhile.
+    told = robot.all(STATE_BASE)[-1].header.seq
+    eventually(
+        lambda: robot.all(STATE_BASE)[-1].header.seq > told + 100, PATIENCE, "two seconds of something else"
+    )
+    assert pictures(1)[0][0].seq < header.seq + 10
+
+
+def test_a_simulation_has_a_panel_that_it_tells_of(robot: Robot) -> None:
+    if not robot.status.simulated:
+        pytest.skip("only a simulation tells of its world")
+    for heard in messages(robot, SIM_WORLD):
+        world: SimWorld = heard.message
+        assert world.panel is not None and world.panel.position[2] > 0.1
+        assert world.contact_force == pytest.approx((0.0, 0.0, 0.0))
 
 
 @topics

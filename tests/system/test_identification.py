@@ -33,7 +33,7 @@ TILTS = ((0.0, 0.0), (0.3, -0.3), (0.0, -0.45), (-0.3, -0.3), (-0.4, 0.0))
 def test_gripper_and_bias_are_identified_by_tilting_and_a_bag_is_weighed_rightly_then() -> None:
     stack = Stack()
     clock = stack.scheduler.clock
-    stack.add(Simulator(SimParameters.of({"ft_bias": BIAS})))
+    stack.add(Simulator(SimParameters.of({"scene": "load", "ft_bias": BIAS})))
     stack.add(Wrench(WrenchParameters()))
     stack.add(Controller(ControllerParameters(), clock.now_ns))
     tool, wrench = stack.client.watch(STATE_EE), stack.client.watch(WRENCH_EXTERNAL)

@@ -17,11 +17,11 @@ from shared.topics import Topic
 
 
 class Rig:
-    """A simulator on a bus of its own; everything that it publishes is collected per topic."""
+    """A simulator on a bus of its own, by default of the bare robot; all that it publishes is collected per topic."""
 
     def __init__(self, **parameters: Any) -> None:
         self.stack = Stack()
-        self.simulator = Simulator(SimParameters.of(parameters))
+        self.simulator = Simulator(SimParameters.of({"scene": "load"} | parameters))
         self.runner = self.stack.add(self.simulator)
         self.received: dict[str, list[Received]] = {}
         for topic in (*topics.TOPICS, topics.health_topic("sim")):

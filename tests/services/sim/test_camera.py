@@ -14,7 +14,6 @@ from services.sim.head import Head
 from services.sim.kinematics import CARRY_HOME
 from services.sim.parameters import SimParameters
 from services.sim.sight import INTRINSICS, Look, Sight, pixels
-from services.sim.simulator import Simulator
 from services.sim.view import Renderer
 from shared import topics
 from shared.clock import nanoseconds
@@ -22,7 +21,6 @@ from shared.codec import Rejected, decode
 from shared.messages import CameraImage, HeadCommand
 from shared.parameters import Refused
 from shared.spatial import quaternion, rotation_from_vector, rotation_matrix
-from shared.stack import Stack
 from tests.services.sim.rig import Rig
 
 SIGHT = SimParameters().sight()
@@ -249,15 +247,6 @@ def test_a_biased_camera_is_brighter_or_darker_up_to_white_and_black(rig: Watche
     for value in (None, 256.0, [1.0] * 3, True):
         with pytest.raises(Refused, match="allowed is a number from -255 to 255 of 255"):
             rig.ask(command="fault", target="camera", kind="bias", value=value)
-
-
-def test_nobody_looks_nothing_is_rendered(monkeypatch: pytest.MonkeyPatch) -> None:
-    pictures = []
-    monkeypatch.setattr(Renderer, "picture", lambda *_: pictures.append(1))
-    stack = Stack()
-    stack.add(Simulator(SimParameters.of({"scene": "carry"})))
-    stack.run(1.0)
-    assert pictures == []
 
 
 def test_in_the_dark_there_is_nothing_to_see() -> None:

@@ -110,7 +110,7 @@ def test_the_head_camera_s_view_is_the_one_of_the_simulation() -> None:
     panel = rig.last(topics.SIM_WORLD).panel
     run = CarryRun(
         carry(
-            parameters="{}",
+            parameters='{"scene": "carry"}',
             joint_names=np.array(joints.name),
             joint_positions=np.tile(joints.position, (ROWS, 1)),
             base=np.tile((*base.position, base.yaw), (ROWS, 1)),

@@ -8,7 +8,11 @@ import pytest
 from services.sim.gripper import RANGES
 from services.sim.marker import ROTATION
 from services.sim.parameters import SimParameters
+from services.task.detection import Detector
 from services.task.parameters import TaskParameters
+from shared import topics
+from shared.messages import GripperCommand, HeadCommand
+from tests.services.sim.rig import Rig
 
 
 def test_panel_and_marker_are_those_of_the_simulation() -> None:
@@ -27,3 +31,14 @@ def test_the_grasp_is_the_middle_of_the_panel_s_edge() -> None:
 def test_the_gripper_can_do_what_the_task_wants() -> None:
     task = TaskParameters()
     assert task.gripper_open <= RANGES["opening"][1] and task.gripper_effort <= RANGES["effort"][1]
+
+
+@pytest.mark.parametrize("scene", ["full", "carry"])
+def test_the_task_looks_where_the_marker_is_and_open_fingers_do_not_hide_it(scene: str) -> None:
+    task, rig = TaskParameters(), Rig(scene=scene)
+    rig.stack.client.publish(topics.COMMAND_GRIPPER, GripperCommand(task.gripper_open, task.gripper_effort))
+    rig.stack.client.publish(topics.COMMAND_HEAD, HeadCommand(task.head_pan, task.head_tilt))
+    rig.run(1.5)
+    assert rig.last(topics.STATE_GRIPPER).opening == pytest.approx(task.gripper_open)
+    (found,) = Detector(task.marker_size).find(rig.last(topics.SENSOR_CAMERA))
+    assert found.number == task.marker_id and found.solutions
