@@ -21,6 +21,7 @@ class Lane:
         """Starts the stack's processes and the experiment; their output goes to files in `folder`."""
         self.title: str = run["title"]
         self.phase = "starting"
+        self.reason = ""
         self.elapsed: float | None = None
         self._name: str = run["name"]
         self._stack = Stack(plan, children, logs=folder, with_router=False)
@@ -46,6 +47,7 @@ class Lane:
             return
         if isinstance(said, dict):
             self.phase = said.get("event") or said.get("phase", "")
+            self.reason = said.get("reason", "")
             self.elapsed = said.get("elapsed")
 
     def trouble(self) -> str:

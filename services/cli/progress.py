@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from types import TracebackType
 
 from rich import progress as bars
 from rich.console import Console
 from rich.markup import escape
+from rich.table import Column
+
+_NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
 class Progress:
@@ -21,11 +25,17 @@ class Progress:
         self._bars: bars.Progress | None = None
         if self._console.is_terminal:
             self._bars = bars.Progress(
-                bars.TextColumn("{task.description}"),
-                bars.BarColumn(bar_width=24),
+                bars.TextColumn(
+                    "{task.description}", table_column=Column(max_width=2 * self._console.width // 5)
+                ),
+                bars.BarColumn(bar_width=12),
                 bars.TextColumn("{task.fields[clock]:>9}"),
-                bars.TextColumn("{task.fields[phase]}"),
+                # What does not fit into the line is cut off.
+                bars.TextColumn(
+                    "{task.fields[phase]}", table_column=Column(ratio=1, no_wrap=True, overflow="ellipsis")
+                ),
                 console=self._console,
+                expand=True,
             )
             self._tasks = {
                 title: self._bars.add_task(escape(title), total=duration, clock="", phase="[dim]waiting")
@@ -45,14 +55,15 @@ class Progress:
         if self._bars:
             self._bars.stop()
 
-    def show(self, title: str, phase: str, elapsed: float | None, trouble: str) -> None:
-        """What a run does now; `trouble` is shown in red."""
+    def show(self, title: str, phase: str, elapsed: float | None, trouble: str, reason: str = "") -> None:
+        """What a run does now, and why; `trouble` is shown in red."""
         if self._bars:
             clock = "" if elapsed is None else f"{elapsed:4.1f} s"
-            text = f"[red]{escape(trouble)}" if trouble else escape(phase)
+            why = f"[dim]: {escape(reason)}" if reason else ""
+            text = f"[red]{escape(trouble)}" if trouble else escape(phase) + why
             self._bars.update(self._tasks[title], completed=elapsed or 0.0, clock=clock, phase=text)
         else:
-            self._say(title, trouble or phase, elapsed)
+            self._say(title, trouble or (f"{phase}: {reason}" if reason else phase), elapsed)
 
     def end(self, title: str, failure: str) -> None:
         """A run has ended."""
@@ -63,7 +74,9 @@ class Progress:
             self._say(title, failure or "done", None)
 
     def _say(self, title: str, text: str, elapsed: float | None) -> None:
-        if self._said.get(title) != text:
-            self._said[title] = text
+        # A line for other words, not for every centimetre in them.
+        words = _NUMBER.sub("", text)
+        if self._said.get(title) != words:
+            self._said[title] = words
             clock = "" if elapsed is None else f"{elapsed:5.1f} s  "
             self._console.print(f"{clock}{title}: {text}", highlight=False, soft_wrap=True)

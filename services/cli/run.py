@@ -131,7 +131,7 @@ def _play(
     with Progress([run["title"] for run in waiting], duration) as progress:
         while (waiting or lanes) and not stop.wait(POLL):
             for number, lane in list(lanes.items()):
-                progress.show(lane.title, lane.phase, lane.elapsed, lane.trouble())
+                progress.show(lane.title, lane.phase, lane.elapsed, lane.trouble(), lane.reason)
                 if lane.finished():
                     failure = lane.close()
                     progress.end(lane.title, failure)

@@ -20,11 +20,13 @@ from services.experiment.film import FILM, render
 from services.experiment.load.play import LOAD
 from services.experiment.play import Play
 from services.experiment.recording import RECORDING, Recording
+from shared import topics
 from shared.bus import Bus, NoReply
 from shared.bus_zenoh import BusError, ZenohBus
 from shared.client import Client
 from shared.clock import SteadyClock, seconds
 from shared.config import Misconfigured, OneLineParser, complain, robot_name, service_parser
+from shared.inlet import Inlet
 from shared.parameters import Refused
 from shared.process import StopRequest
 from shared.runner import Runner
@@ -141,7 +143,8 @@ def _play(options: argparse.Namespace) -> int:
         experiment = play.experiment(
             run, bus, client.clock, lambda ask, answered: _ask_aside(client, ask, answered)
         )
-        reason = _conduct(experiment, bus, stop, _Progress(options.json))
+        progress = _Progress(options.json, client.watch(topics.TASK_STATUS))
+        reason = _conduct(experiment, bus, stop, progress)
         if stop.requested:
             # A broken-off run proves nothing, and writing a long recording takes longer than a signal allows.
             return 0
@@ -188,10 +191,14 @@ def _ask_aside(client: Client, ask: Ask, answered: Answered) -> None:
 
 
 class _Progress:
-    """Says what happens: phase, time on the protocol's clock, events; as text for people or JSON for programs."""
+    """Says what happens: phase, time on the protocol's clock, events; as text for people or JSON for programs.
 
-    def __init__(self, as_json: bool) -> None:
+    The JSON has the task's reason too, which changes with every centimetre: programs can choose when to show it.
+    """
+
+    def __init__(self, as_json: bool, task: Inlet) -> None:
         self._as_json = as_json
+        self._task = task
         self._said: tuple[Any, ...] = ()
 
     def show(self, experiment: Experiment) -> None:
@@ -200,9 +207,18 @@ class _Progress:
         elapsed = course.elapsed(experiment.now())
         event = course.events[-1] if course.events else None
         if self._as_json:
-            said: tuple[Any, ...] = (course.phase, None if elapsed is None else round(elapsed, 1), event)
+            clock = None if elapsed is None else round(elapsed, 1)
+            # Before the protocol's clock starts the task waits for nothing but its start.
+            task = None if clock is None else self._task.latest
+            reason = task.message.reason if task else ""
+            said: tuple[Any, ...] = (course.phase, clock, event, reason)
             line = json.dumps(
-                {"phase": course.phase, "elapsed": said[1], "event": event.name if event else ""}
+                {
+                    "phase": course.phase,
+                    "elapsed": clock,
+                    "event": event.name if event else "",
+                    "reason": reason,
+                }
             )
         else:
             said = (course.phase, event)
