@@ -9,7 +9,8 @@ import pytest
 
 from services.sim.arm import ARM_MARGIN, LOWEST_TOOL, TORSO_BOTTOM, TORSO_MARGIN, TORSO_WEIGHT
 from services.sim.ik import DifferentialIK
-from services.sim.kinematics import CARRY_HOME, CHAIN, Kinematics
+from services.sim.kinematics import CARRY_HOME, CHAIN, HOME, Kinematics
+from services.sim.physics import FRICTION
 from shared.constants import GRAVITY
 from shared.spatial import pose_error, quaternion_from_rpy, rotation_from_vector, rotation_matrix
 
@@ -84,3 +85,30 @@ def test_the_arm_carries_half_the_panel_at_the_start_and_upright(walk: Walk) -> 
         q, reached = walk.to(np.array((0.54, walk.start[0][1], z)), attitude(turned, 0.0, 0.0))
         assert reached
         assert (np.abs(model.holding_effort(q, weight)) < model.effort).all()
+
+
+@pytest.mark.parametrize(
+    ("direction", "motors", "with_friction", "weakest"),
+    [
+        ((0, 0, -1), 31.6, 37.3, "arm_right_6_joint"),
+        ((0, 0, 1), 43.0, 48.7, "arm_right_6_joint"),
+        ((0, 1, 0), 16.6, 23.1, "arm_right_5_joint"),
+        ((0, -1, 0), 22.1, 28.6, "arm_right_5_joint"),
+        ((1, 0, 0), 76.6, 80.4, "arm_right_4_joint"),
+        ((-1, 0, 0), 121.0, 124.8, "arm_right_4_joint"),
+    ],
+    ids=["down", "up", "left", "right", "forwards", "backwards"],
+)
+def test_what_the_arm_holds_where_the_load_is_held(
+    direction: tuple[int, ...], motors: float, with_friction: float, weakest: str
+) -> None:
+    """The table of docs/simulation.md."""
+    model = Kinematics(HOME)
+    alone = model.holding_effort(model.home, np.zeros(3))
+    per_newton = model.holding_effort(model.home, np.array(direction, dtype=float)) - alone
+    loaded = np.abs(per_newton) > 1e-9
+    for friction, wanted in ((0.0 * FRICTION, motors), (FRICTION, with_friction)):
+        room = np.sign(per_newton) * (model.effort + friction) - alone
+        most = np.divide(room, per_newton, out=np.full(len(CHAIN), np.inf), where=loaded)
+        assert most.min() == pytest.approx(wanted, abs=0.1)
+        assert CHAIN[int(most.argmin())] == weakest
