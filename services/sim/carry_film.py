@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from services.sim.canvas import Picture
-from services.sim.carry_run import CarryRun, Moment
+from services.sim.carry_recording import CarryRun, Moment
 from services.sim.carry_scene import CarryScene
 from services.sim.gauges import GREY, INK, OF_PERSON, ON_ROBOT, Arrow, Gauges
 from services.sim.view import Renderer

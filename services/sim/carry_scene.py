@@ -8,7 +8,7 @@ import numpy as np
 import pybullet
 
 from services.sim.canvas import Canvas, Colour, Picture, pixel
-from services.sim.carry_run import Moment
+from services.sim.carry_recording import Moment
 from services.sim.figure import Figure, posture
 from services.sim.floor import Floor, disc, hull
 from services.sim.panel import SUPPORT_WIDTH

@@ -1,7 +1,8 @@
-"""Renders a recorded run to a short film: ``python -m services.sim.film RECORDING.npz OUT.mp4``.
+"""Renders a recorded run to a short film: ``python -m services.sim.film FILM.npz OUT.mp4``.
 
-What the recording has to hold depends on its ``scene``, "load" or "carry": see ``load_film.py`` and ``carry_run.py``. A
-carry gets ``strip.png`` beside the film as well.
+The recording is not the experiment's own, but what ``services.experiment film FOLDER`` takes from it. What it has to
+hold depends on its ``scene``, "load" or "carry": see ``load_film.py`` and ``carry_recording.py``. A carry gets
+``strip.png`` beside the film as well.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 
 from services.sim import carry_film, load_film
 from services.sim.canvas import Picture
-from services.sim.carry_run import CarryRun
+from services.sim.carry_recording import CarryRun
 from services.sim.load_film import LoadRun
 from shared.config import Misconfigured, OneLineParser, complain
 

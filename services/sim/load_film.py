@@ -14,7 +14,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from services.sim.canvas import Picture
-from services.sim.scene import Scene
+from services.sim.load_scene import Scene
 from shared.config import Misconfigured
 from shared.spatial import Array
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from services.sim import carry_film
-from services.sim.carry_run import CarryRun, Moment
+from services.sim.carry_recording import CarryRun, Moment
 from services.sim.carry_scene import CarryScene
 from services.sim.figure import FOREARM, UPPER_ARM, posture
 from services.sim.film import STRIP, main

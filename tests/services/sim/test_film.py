@@ -11,7 +11,7 @@ import pytest
 from services.sim.film import main
 from services.sim.kinematics import CHAIN, HOME
 from services.sim.load_film import HEIGHT, WIDTH
-from services.sim.scene import Scene
+from services.sim.load_scene import Scene
 
 
 def recording(path: Path, **changes: object) -> Path:
