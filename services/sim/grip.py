@@ -23,13 +23,15 @@ from services.sim.rigid_body import RigidBody
 from shared.spatial import Array, cross
 
 STIFFNESS, ANGULAR_STIFFNESS = 5000.0, 100.0
-"""[N/m, Nm/rad] of wrist, fingers and foam."""
+"""[N/m, Nm/rad] of wrist, fingers and foam: those of the wrist in the quick model of the carry (docs/task.md)."""
 DAMPING, ANGULAR_DAMPING = 35.0, 1.5
 """[Ns/m, Nms/rad]: about 0.4 of critical for a panel of 1.5 kg held at one end."""
 PAD_BEGIN, PAD_END = -0.01, 0.10
-"""Where the pads begin, at the palm, and end: along the tool's x axis [m]."""
+"""Where the pads begin, at the palm, and end: along the tool's x axis [m]. The fingers of ``tiago.urdf``."""
 PAD_WIDTH = 0.05
-"""Size [m] of the pads along the tool's z axis."""
+"""Size [m] of the pads along the tool's z axis; of the same."""
+
+# Assumptions, nobody publishes them:
 STRENGTH = 100.0
 """Force [N] at which the gear of a finger gives way."""
 CONTACT = 1.0

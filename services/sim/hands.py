@@ -10,10 +10,11 @@ from services.sim.panel import Panel
 from shared.spatial import Array, cross, rotation_from_vector, rotation_vector
 
 STIFFNESS, ANGULAR_STIFFNESS = 500.0, 40.0
-"""[N/m, Nm/rad]"""
+"""[N/m, Nm/rad]: with these the quick model of the carry (docs/task.md) was made."""
 DAMPING_RATIO = 0.7
+"""Of that model too."""
 INSET = 0.03
-"""How far [m] from the edge the hands hold it."""
+"""How far [m] from the edge the hands hold it; an assumption: half a palm."""
 
 
 class Hands:

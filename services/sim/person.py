@@ -16,12 +16,15 @@ from services.sim.script import Phase
 from shared.constants import GRAVITY
 from shared.spatial import Array, rotation_from_vector
 
+# Those of the quick model of the carry (docs/task.md):
 ENOUGH_FORCE, ENOUGH_TORQUE = 30.0, 12.0
 """Resistance [N, Nm] above which he stops going on, and waits for the other end to follow."""
-GUIDED_SPEED = 0.15
-"""Speed [m/s] at which his hands go to a target given from outside."""
 HIGHER, LEVELLING = 0.01, 0.15
 """He turns his hands at this rate [rad/s] while the other end is that much [m] higher than his own."""
+
+# Assumptions of what a careful person does:
+GUIDED_SPEED = 0.15
+"""Speed [m/s] at which his hands go to a target given from outside."""
 WAITING = 0.15
 """He lowers his end no further while the other end is that much [m] higher than his own."""
 TOUCHING = 0.004

@@ -12,7 +12,7 @@ from shared.spatial import Array
 
 WIDTH, HEIGHT = 640, 480
 FIELD_OF_VIEW = math.radians(63.0)
-"""Horizontal [rad]."""
+"""Horizontal [rad]; like the size that of the camera in PAL Robotics' simulation of TIAGo (see NOTICE)."""
 FOCAL_LENGTH = 0.5 * WIDTH / math.tan(0.5 * FIELD_OF_VIEW)
 """[px]"""
 INTRINSICS = (FOCAL_LENGTH, FOCAL_LENGTH, 0.5 * WIDTH, 0.5 * HEIGHT - 1.0)
