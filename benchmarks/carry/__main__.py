@@ -12,7 +12,7 @@ from functools import partial
 from multiprocessing import get_context
 
 from benchmarks.carry.cases import KINDS, Case, Changes, case
-from benchmarks.carry.judge import Verdict
+from benchmarks.carry.judge import Verdict, good_enough
 from benchmarks.carry.play import play, verdict_of
 from benchmarks.carry.report import line, show, trace
 
@@ -29,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Play cases and print what became of them.
 
     Returns:
-        0; 1 if a panel was dropped or let go too early, or fewer than 99 % ended as they should.
+        0; 1 if a panel was dropped, torn out or let go of too early, or fewer than 99 % ended as they should.
     """
     parser = argparse.ArgumentParser(prog="python -m benchmarks.carry", description=__doc__)
     parser.add_argument("--seeds", default=SEEDS, help="first and last, FIRST-LAST, or some, N,N,...")
@@ -61,9 +61,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not results:
         return 1
     show(results, time.monotonic() - begun, options.jobs)
-    good = sum(verdict.as_it_should for _, verdict in results)
-    bad = any(verdict.dropped or verdict.early for _, verdict in results)
-    return 1 if bad or good < 0.99 * len(results) else 0
+    return 0 if good_enough([verdict for _, verdict in results]) else 1
 
 
 def _settings(given: Sequence[str]) -> Changes:

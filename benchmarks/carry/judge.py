@@ -1,4 +1,7 @@
-"""What became of a carry, by ground truth."""
+"""What became of a carry, by ground truth.
+
+A panel that was torn out of the fingers is a drop like any other; that the person had been warned is told beside it.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,7 @@ ABOVE_GROUND = 0.01
 """Height [m] of an end of the panel above the ground from which on it is not standing on it."""
 FALLEN = 0.9
 """Least sine of how far the width of a panel that stands on its edge points up."""
+ENOUGH = 0.99  # share of the carries that have to end as they should
 CARRYING = ("carrying", "releasing")
 
 
@@ -26,6 +30,7 @@ class Verdict:
         reason: of that state.
         time: from start to `done` [s]; None if that was not reached.
         lost: the gripper lost the panel without having been told to open.
+        torn: it lost it after the person had let go of his end for good, although the task had warned him before that.
         fell: nobody held the panel, and it was not on the ground.
         gap: height [m] of the panel's near end above the ground when the gripper opened; None if it did not.
         carried: force [N] that the robot carried then.
@@ -37,7 +42,6 @@ class Verdict:
         stands: at the end the panel stands on its edge.
         held: at the end the gripper holds it.
         ends_held: that is what was to be, because the person let go of his end in the middle.
-        warned: the robot had said that the panel would be torn out of its fingers if that was done.
         trouble: why the experiment itself could not go on.
     """
 
@@ -45,6 +49,7 @@ class Verdict:
     reason: str
     time: float | None
     lost: bool = False
+    torn: bool = False
     fell: bool = False
     gap: float | None = None
     carried: float = 0.0
@@ -56,18 +61,12 @@ class Verdict:
     stands: bool = False
     held: bool = False
     ends_held: bool = False
-    warned: bool = False
     trouble: str = ""
 
     @property
-    def torn(self) -> bool:
-        """Whether a panel heavier than the gripper holds was torn out of it because the person let go all the same."""
-        return self.lost and self.ends_held and self.warned
-
-    @property
     def dropped(self) -> bool:
-        """Whether the panel fell, or the gripper lost it, and the person had not been told so before he let go."""
-        return (self.lost or self.fell) and not self.torn
+        """Whether the panel fell, or the gripper lost it, torn out or not."""
+        return self.lost or self.fell
 
     @property
     def early(self) -> bool:
@@ -76,7 +75,11 @@ class Verdict:
 
     @property
     def completed(self) -> bool:
-        """Whether the panel was set down on purpose and the robot has gone back."""
+        """Whether the panel was set down on purpose, the robot has gone back, and the panel stands where it was put."""
+        return self._set_down and self.stands
+
+    @property
+    def _set_down(self) -> bool:
         return self.end == "done" and self.gap is not None and not self.dropped and not self.early
 
     @property
@@ -87,20 +90,26 @@ class Verdict:
     @property
     def as_it_should(self) -> bool:
         """Whether this is an end that nobody has to explain."""
-        return self.completed or self.safe or self.torn
+        return self.completed or self.safe
 
     @property
     def word(self) -> str:
-        """The verdict in one word."""
+        """The verdict in a word or two."""
         if self.dropped:
-            return "DROPPED"
+            return "DROPPED, torn out" if self.torn else "DROPPED"
         if self.early:
             return "EARLY"
-        if self.torn:
-            return "torn out as announced"
         if self.safe:
             return "held safely"
-        return "completed" if self.completed else "NOT COMPLETED"
+        if self._set_down:
+            return "completed" if self.stands else "FELL OVER"
+        return "NOT COMPLETED"
+
+
+def good_enough(verdicts: Sequence[Verdict]) -> bool:
+    """Whether no panel was dropped or let go of early, and at least 99 % ended as they should."""
+    bad = any(verdict.dropped or verdict.early for verdict in verdicts)
+    return not bad and sum(verdict.as_it_should for verdict in verdicts) >= ENOUGH * len(verdicts)
 
 
 def judge(
@@ -111,7 +120,6 @@ def judge(
     told: Sequence[str],
     trouble: str = "",
     ends_held: bool = False,
-    warned: bool = False,
 ) -> Verdict:
     """The verdict on what the witness saw.
 
@@ -123,7 +131,6 @@ def judge(
         told: what a person had to say to it.
         trouble: of the experiment.
         ends_held: whether the panel is to be held in the end, and not set down.
-        warned: whether the robot said that it could not hold it alone.
     """
     state, time = seen["state"], seen["time"]
     gripped, opening, held = seen["gripped"], seen["opening"], seen["held"]
@@ -133,7 +140,10 @@ def judge(
     opened = after & opening
     let_go = int(np.argmax(opened)) if opened.any() else None
     # The contact in a grip that was just closed on nothing yet, or is opening, is not what is judged here.
-    still_closed = after & ~opening
+    loss = after & ~opening & ~gripped
+    lost = bool(loss.sum() * PERIOD > 0.05)
+    let_go_for_good = int(np.flatnonzero(held)[-1]) + 1 if held.any() else len(time)
+    warned = bool(seen["warned"][:let_go_for_good].any())
     free = after & ~gripped & ~held & ~seen["supported"] & (seen["lowest"] > ABOVE_GROUND)
     share, peak = np.zeros(6), np.zeros(6)
     loaded = carrying & ~opening & gripped
@@ -149,7 +159,8 @@ def judge(
         end=end,
         reason=reason,
         time=float(time[done[0]] - time[started]) if len(done) else None,
-        lost=bool((still_closed & ~gripped).sum() * PERIOD > 0.05),
+        lost=lost,
+        torn=lost and ends_held and warned and int(np.argmax(loss)) >= let_go_for_good,
         fell=bool(free.sum() * PERIOD > 0.05),
         gap=None if let_go is None else float(seen["near"][let_go]),
         carried=0.0 if let_go is None else -float(seen["wrench"][let_go, 2]),
@@ -161,6 +172,5 @@ def judge(
         stands=bool(seen["upright"][-1] > FALLEN),
         held=bool(gripped[-1]),
         ends_held=ends_held,
-        warned=warned,
         trouble=trouble,
     )

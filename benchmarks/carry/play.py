@@ -47,7 +47,8 @@ def play(chosen: Case) -> Played:
     trouble = ""
     with tempfile.TemporaryDirectory() as folder:
         staged = Staged(carry, chosen.run, Path(folder))
-        witness = Witness(staged.simulator, protocol.PANEL_SIZE[2])
+        warning = TaskParameters.of(chosen.run.settings["task"]).warning
+        witness = Witness(staged.simulator, protocol.PANEL_SIZE[2], warning)
         staged.stack.add(witness)
 
         def done() -> bool:
@@ -67,11 +68,7 @@ def play(chosen: Case) -> Played:
     states = [event for event in events if event.name in STATES]
     end = states[-1] if states else Event(0.0, "", trouble)
     limits = np.array(protocol.FORCE_LIMIT + protocol.TORQUE_LIMIT)
-    warning = TaskParameters.of(chosen.run.settings["task"]).warning
-    warned = bool(warning) and any(warning in event.detail for event in events)
-    verdict = judge(
-        witness.seen(), limits, end.name, end.detail, course.told, trouble, chosen.ends_held, warned
-    )
+    verdict = judge(witness.seen(), limits, end.name, end.detail, course.told, trouble, chosen.ends_held)
     return Played(chosen, verdict, events, witness.seen())
 
 

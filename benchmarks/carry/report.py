@@ -28,7 +28,7 @@ def line(case: Case, verdict: Verdict) -> str:
     if verdict.gap is not None:
         text += f", opened {100 * verdict.gap:.1f} cm above the ground with {verdict.carried:.1f} N"
     text += f", peak {verdict.peak[worst]:.1f} {AXES[worst]}, over {100 * max(verdict.share):.0f} %"
-    text += f", strain {verdict.strain[0]:.1f} N {verdict.strain[1]:.1f} Nm [{drawn}]"
+    text += f", hands' springs {verdict.strain[0]:.1f} N {verdict.strain[1]:.1f} Nm [{drawn}]"
     if not verdict.completed:
         text += f" -- {verdict.end}: {verdict.reason} {verdict.trouble}".rstrip()
     return text
@@ -53,17 +53,18 @@ def show(results: Sequence[Result], took: float, jobs: int) -> None:
         "kind",
         "carries",
         "completed",
-        "of them told to",
+        "of them without help",
+        "after release",
         "held safely",
-        "torn out",
         "not",
         "dropped",
+        "of them torn out",
         "early",
         "median s",
         "median peak, limits",
         "largest peak",
         "over limit, median %",
-        "person N, Nm",
+        "hands' springs N, Nm",
     ):
         table.add_column(column, justify="left" if column == "kind" else "right")
     for kind in (*dict.fromkeys(KINDS), "all"):
@@ -71,6 +72,7 @@ def show(results: Sequence[Result], took: float, jobs: int) -> None:
         if chosen:
             table.add_row(kind, *_cells([verdict for _, verdict in chosen]))
     Console(width=160).print(table)
+    print(headline([verdict for _, verdict in results]))
     by_axis = np.array([verdict.peak for _, verdict in results])
     shares = np.array([verdict.share for _, verdict in results])
     print("        " + "".join(f"{name:>8}" for name in AXES))
@@ -84,24 +86,40 @@ def show(results: Sequence[Result], took: float, jobs: int) -> None:
     for case, verdict in results:
         if not verdict.as_it_should:
             print(line(case, verdict))
-    fallen = [case.seed for case, verdict in results if verdict.completed and not verdict.stands]
-    if fallen:
-        print(f"set down, but fell over afterwards: seeds {fallen}")
+
+
+def headline(verdicts: Sequence[Verdict]) -> str:
+    """What became of all of them, in a line that leaves nothing out."""
+    completed = [verdict.told for verdict in verdicts if verdict.completed]
+    alone = sum(not told for told in completed)
+    released = sum("release" in told for told in completed)
+    restarted = sum(bool(told) and "release" not in told for told in completed)
+    dropped = sum(verdict.dropped for verdict in verdicts)
+    torn = sum(verdict.torn for verdict in verdicts)
+    ended = sum(verdict.completed or verdict.safe or verdict.dropped or verdict.early for verdict in verdicts)
+    return (
+        f"{len(completed)} of {len(verdicts)} completed: {alone} without help, {released} after "
+        f"somebody said `tandem task release`, {restarted} after `tandem resume` and `tandem task start`; "
+        f"{sum(verdict.safe for verdict in verdicts)} held safely; {len(verdicts) - ended} not completed; {dropped} "
+        f"dropped ({torn} of them torn out by a person who let go although the task had warned); "
+        f"{sum(verdict.early for verdict in verdicts)} let go of early"
+    )
 
 
 def _cells(verdicts: Sequence[Verdict]) -> list[str]:
     times = [verdict.time for verdict in verdicts if verdict.time is not None]
     peaks = [max(verdict.peak) for verdict in verdicts]
-    completed = sum(verdict.completed for verdict in verdicts)
+    completed = [verdict.told for verdict in verdicts if verdict.completed]
     force, torque = np.mean([verdict.strain for verdict in verdicts], axis=0)
     return [
         str(len(verdicts)),
-        str(completed),
-        str(sum(verdict.completed and bool(verdict.told) for verdict in verdicts)),
+        str(len(completed)),
+        str(sum(not told for told in completed)),
+        str(sum("release" in told for told in completed)),
         str(sum(verdict.safe for verdict in verdicts)),
-        str(sum(verdict.torn for verdict in verdicts)),
-        str(sum(verdict.word == "NOT COMPLETED" for verdict in verdicts)),
+        str(sum(verdict.word in ("NOT COMPLETED", "FELL OVER") for verdict in verdicts)),
         str(sum(verdict.dropped for verdict in verdicts)),
+        str(sum(verdict.torn for verdict in verdicts)),
         str(sum(verdict.early for verdict in verdicts)),
         f"{np.median(times):.0f}" if times else "-",
         f"{np.median(peaks):.2f}",

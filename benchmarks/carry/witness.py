@@ -28,9 +28,8 @@ COLUMNS = {
     "opening": "whether the gripper was told to open",
     "held": "whether the person holds the panel",
     "supported": "whether the trestles stand",
-    "strain": "of the person's hands (2,) [N, Nm]",
-    "tool": "in base (3,) [m]",
-    "base": "velocity (3,) [m/s, m/s, rad/s]",
+    "strain": "spring part of the person's hands (2,) [N, Nm]",
+    "warned": "whether the task says that letting go now would tear the panel out of the gripper",
 }
 """Of a sample, in this order."""
 
@@ -41,6 +40,7 @@ class Witness:
     Args:
         simulator: to look into.
         thickness: of the panel [m]: a gripper told to be wider than that was told to open.
+        warning: what the task says when the gripper cannot hold the panel alone; "" if it can.
     """
 
     wiring = Wiring(
@@ -48,10 +48,11 @@ class Witness:
     )
     max_delay = 1.0
 
-    def __init__(self, simulator: Simulator, thickness: float) -> None:
+    def __init__(self, simulator: Simulator, thickness: float, warning: str) -> None:
         self.parameters = Parameters()
         self._world = simulator.world
         self._thickness = thickness
+        self._warning = warning
         self._samples: list[tuple[Any, ...]] = []
 
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
@@ -82,8 +83,7 @@ class Witness:
                 hands.holding,
                 panel.supported,
                 hands.strain,
-                tuple(world.arm.tool_position.tolist()),
-                tuple(base.velocity),
+                bool(self._warning) and status is not None and self._warning in status.message.reason,
             )
         )
         return []

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
 import pytest
 
 from benchmarks.carry.cases import KINDS, case
-from benchmarks.carry.judge import Verdict, judge
+from benchmarks.carry.judge import Verdict, good_enough, judge
+from benchmarks.carry.report import headline
 from services.sim.parameters import SimParameters
 from services.sim.script import read
 from services.task.parameters import TaskParameters
@@ -36,8 +38,7 @@ def carried(**changes: Any) -> dict[str, np.ndarray]:
         "held": np.ones(size, dtype=bool),
         "supported": np.zeros(size, dtype=bool),
         "strain": np.tile((5.0, 1.0), (size, 1)),
-        "tool": np.zeros((size, 3)),
-        "base": np.zeros((size, 3)),
+        "warned": np.zeros(size, dtype=bool),
     }
     for name, (where, begin, value) in changes.items():
         seen[name][np.flatnonzero(state == where)[begin:]] = value
@@ -85,16 +86,52 @@ def test_to_hold_on_is_safe_where_the_person_let_go_and_nowhere_else() -> None:
     assert not judge(seen, LIMITS, "holding", "", told=(), ends_held=True).safe
 
 
-def test_to_be_torn_out_is_no_drop_only_if_it_was_announced_and_the_person_let_go() -> None:
-    seen = carried(gripped=("carrying", 50, False))
+def torn_out(lost: int = 60, let_go: int = 50, warned: int = 20, ends_held: bool = True) -> Verdict:
+    """The gripper loses the panel at a sample of the carry, the person has let go at another and been warned at one."""
+    changes = {"gripped": (lost, False), "held": (let_go, False), "lowest": (lost, 0.3)}
+    seen = carried(**{name: ("carrying", begin, value) for name, (begin, value) in changes.items()})
+    seen["warned"][np.flatnonzero(seen["state"] == "carrying")[warned : warned + 5]] = True
+    seen = {
+        name: values[np.isin(seen["state"], ("calibrating", "carrying"))] for name, values in seen.items()
+    }
+    return judge(seen, LIMITS, "holding", "lost", told=(), ends_held=ends_held)
 
-    def found(**how: bool) -> Verdict:
-        return judge(seen, LIMITS, "holding", "lost", told=(), **how)
 
-    torn = found(ends_held=True, warned=True)
-    assert torn.torn and torn.as_it_should and not torn.dropped and torn.word == "torn out as announced"
-    for how in ({"ends_held": True}, {"warned": True}):
-        assert found(**how).word == "DROPPED" and not found(**how).as_it_should
+def test_to_be_torn_out_is_a_drop_that_is_told_apart() -> None:
+    found = torn_out()
+    assert found.dropped and found.torn and not found.as_it_should and found.word == "DROPPED, torn out"
+
+
+@pytest.mark.parametrize(
+    "how",
+    [{"lost": 49}, {"warned": 51}, {"ends_held": False}, {"let_go": 1000}],
+    ids=("lost while he held it", "warned too late", "not meant to let go", "never let go"),
+)
+def test_what_is_lost_otherwise_is_just_a_drop(how: dict[str, Any]) -> None:
+    found = torn_out(**how)
+    assert found.dropped and not found.torn and found.word == "DROPPED"
+
+
+def test_a_panel_that_fell_over_is_not_completed() -> None:
+    found = verdict(upright=("done", 0, 0.1))
+    assert not found.completed and not found.as_it_should and found.word == "FELL OVER"
+
+
+def test_the_headline_counts_drops_and_help() -> None:
+    good, torn = verdict(), torn_out()
+    released = dataclasses.replace(good, told=("start", "release"))
+    restarted = dataclasses.replace(good, told=("start",))
+    text = headline([good, good, released, restarted, torn, torn_out(lost=10), verdict("holding")])
+    assert "4 of 7 completed: 2 without help, 1 after somebody said `tandem task release`, 1 after" in text
+    assert "0 held safely; 1 not completed; 2 dropped (1 of them torn out by a person who let go" in text
+
+
+def test_a_single_drop_fails_the_sweep_torn_out_or_not() -> None:
+    good = verdict()
+    assert good_enough([good] * 100)
+    assert good_enough([good] * 99 + [verdict("holding")]) and not good_enough([good, verdict("holding")])
+    for bad in (torn_out(), torn_out(lost=10), verdict(near=("retreating", 0, 0.03))):
+        assert not good_enough([good] * 200 + [bad])
 
 
 def test_limits_are_centred_on_the_nominal_force() -> None:
