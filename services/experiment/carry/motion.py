@@ -24,6 +24,8 @@ class Motion:
         doing: (n,) what the person is about.
         panel, panel_axes: its centre (n, 3) [m] and its axes as columns (n, 3, 3).
         hand: (n, 3) [m] where the person's hands are.
+        wish, wish_axes: (n, 3) [m] where he wants them, and (n, 3, 3) how he wants the panel's axes; NaN before he
+            is asked to do anything.
         push, twist: (n, 3) [N] and (n, 3) [Nm] of the hands on the panel, about where they are.
         base: (n, 3) x, y [m] and yaw [rad] by odometry.
         tool, tool_axes: (n, 3) [m] and (n, 3, 3).
@@ -35,6 +37,8 @@ class Motion:
     panel: np.ndarray
     panel_axes: np.ndarray
     hand: np.ndarray
+    wish: np.ndarray
+    wish_axes: np.ndarray
     push: np.ndarray
     twist: np.ndarray
     base: np.ndarray
@@ -63,6 +67,8 @@ class Motion:
             panel=recording.series(world, "panel.position"),
             panel_axes=rotations(recording.series(world, "panel.orientation")),
             hand=recording.series(world, "hand.position"),
+            wish=recording.series(world, "hand.wanted"),
+            wish_axes=rotations(recording.series(world, "hand.wanted_orientation")),
             push=recording.series(world, "hand.force"),
             twist=recording.series(world, "hand.torque"),
             base=base,
@@ -73,12 +79,18 @@ class Motion:
     @property
     def roll(self) -> np.ndarray:
         """How far (n,) [rad] the panel is turned about its long axis."""
-        return _roll(self.panel_axes)
+        return np.unwrap(_roll(self.panel_axes))
+
+    @property
+    def wish_roll(self) -> np.ndarray:
+        """How far (n,) [rad] the person wants the panel turned about its long axis."""
+        ahead = _roll(self.wish_axes) - _roll(self.panel_axes)
+        return self.roll + np.arctan2(np.sin(ahead), np.cos(ahead))
 
     @property
     def tool_roll(self) -> np.ndarray:
         """The same of the tool (n,) [rad], up to a constant."""
-        return _roll(self.tool_axes)
+        return np.unwrap(_roll(self.tool_axes))
 
     @property
     def tilt(self) -> np.ndarray:
@@ -160,4 +172,4 @@ def spin(time: np.ndarray, axes: np.ndarray) -> np.ndarray:
 
 
 def _roll(axes: np.ndarray) -> np.ndarray:
-    return np.unwrap(np.arctan2(axes[:, 2, 1], axes[:, 2, 2]))
+    return np.arctan2(axes[:, 2, 1], axes[:, 2, 2])

@@ -7,9 +7,14 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from services.experiment.carry.motion import at
+from services.experiment.carry.protocol import PANEL_SIZE
 from services.experiment.recording import Recording
+from services.sim.hands import STIFFNESS
 
 Defect = Callable[[Recording], None]
+ARM = 0.15  # [m] that the arm reaches to and fro
+RESISTS = 0.06  # [m] that the hands want to be ahead when the person stops, at 30 N
 
 
 def when(recording: Recording, state: str) -> float:
@@ -105,21 +110,70 @@ def not_turned(recording: Recording) -> None:
     world["panel.orientation"] = (axes * back).as_quat()
 
 
+def slips_round(recording: Recording) -> None:
+    """The panel turns in the fingers: the tool gets three quarters of the turn."""
+    arm = recording.topics["state/ee"]
+    axes = Rotation.from_quat(arm["orientation"])
+    start = axes[int(np.searchsorted(arm["time"], when(recording, "carrying")))]
+    turned = (axes * start.inv()).as_rotvec()
+    turned[:, 0] *= np.where(arm["time"] > when(recording, "carrying"), 0.75, 1.0)
+    arm["orientation"] = (Rotation.from_rotvec(turned) * start).as_quat()
+
+
 def held_back(recording: Recording) -> None:
-    """The far end gets four fifths of the way that the person wants."""
-    world = recording.topics["sim/world"]
-    start = world["hand.position"][0].copy()
-    world["hand.position"][:, :2] = start[:2] + 0.8 * (world["hand.position"] - start)[:, :2]
+    """The base goes four fifths of the way only, and everything with it; the hands pull the harder."""
+    base = recording.topics["state/base"]
+    missing = -0.2 * (base["position"] - base["position"][0])
+    _shift(recording, missing)
+    base["position"] += missing
 
 
 def base_stands(recording: Recording) -> None:
-    """The base does not move."""
-    recording.topics["state/base"]["position"][:] = 0.0
+    """The base stands: the panel gets as far as the arm reaches, and the person stops when it resists."""
+    base, arm = recording.topics["state/base"], recording.topics["state/ee"]
+    gone = base["position"] - base["position"][0]
+    reached = np.clip(gone, -ARM, ARM)
+    heading = Rotation.from_rotvec(
+        np.outer(np.interp(arm["time"], base["time"], base["yaw"]), (0.0, 0.0, 1.0))
+    )
+    arm["position"] += heading.inv().apply(at(arm["time"], base["time"], reached) @ np.eye(2, 3))
+    base["position"] -= gone
+    _shift(recording, reached - gone)
+    world = recording.topics["sim/world"]
+    ahead = world["hand.wanted"] - world["hand.position"]
+    world["hand.wanted"] = world["hand.position"] + np.clip(ahead, -RESISTS, RESISTS)
 
 
-def base_is_late(recording: Recording) -> None:
-    """The base answers after a second only."""
-    recording.topics["state/base"]["time"] = recording.topics["state/base"]["time"] + 1.0
+def swings(recording: Recording) -> None:
+    """The base does not go sideways: the panel swings about the robot's end, and the far end gets where it should."""
+    base, world = recording.topics["state/base"], recording.topics["sim/world"]
+    aside = base["position"][:, 1] - base["position"][0, 1]
+    base["position"][:, 1] -= aside
+    left = np.interp(world["time"], base["time"], aside)
+    world["panel.position"][:, 1] -= left / 2.0
+    yawed = Rotation.from_rotvec(np.outer(left / PANEL_SIZE[0], (0.0, 0.0, 1.0)))
+    world["panel.orientation"] = (yawed * Rotation.from_quat(world["panel.orientation"])).as_quat()
+
+
+def answers_late(recording: Recording) -> None:
+    """Base and arm answer a second late: the panel rests so long, and the hands pull at it."""
+    world = recording.topics["sim/world"]
+    before = np.maximum(np.searchsorted(world["time"], world["time"] - 1.0), 0)
+    behind = world["hand.position"] - world["hand.position"][before]
+    for name in ("panel.position", "panel.orientation", "hand.position", "hand.force", "hand.torque"):
+        world[name] = world[name][before]
+    world["hand.force"] += STIFFNESS * behind
+    for topic in ("state/base", "state/ee"):
+        recording.topics[topic]["time"] = recording.topics[topic]["time"] + 1.0
+
+
+def _shift(recording: Recording, missing: np.ndarray) -> None:
+    """Panel and hands are elsewhere by (n, 2) [m] on the times of `state/base`; the hands pull with their stiffness."""
+    world = recording.topics["sim/world"]
+    shift = at(world["time"], recording.time("state/base"), missing) @ np.eye(2, 3)
+    world["panel.position"] += shift
+    world["hand.position"] += shift
+    world["hand.force"] -= STIFFNESS * shift
 
 
 def topples(recording: Recording) -> None:

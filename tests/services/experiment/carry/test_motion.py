@@ -28,6 +28,8 @@ def motion(base: Array, hand: Array, axes: Rotation) -> Motion:
         panel=np.zeros((count, 3)),
         panel_axes=(heading * axes).as_matrix(),
         hand=planted + heading.apply(hand),
+        wish=planted + heading.apply(hand),
+        wish_axes=(heading * axes).as_matrix(),
         push=np.tile((2.0, 0.0, 0.0), (count, 1)),
         twist=np.tile((0.0, 0.0, 3.0), (count, 1)),
         base=base,
