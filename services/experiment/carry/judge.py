@@ -107,7 +107,6 @@ def _level(run: str, found: Measures) -> Claim:
 
 def _limits(run: str, found: Measures) -> list[Claim]:
     excess = found.excess
-    speed, turning = excess.fastest
     rested = math.isfinite(excess.resting_peak)
     return [
         Claim(
@@ -119,15 +118,6 @@ def _limits(run: str, found: Measures) -> list[Claim]:
             else "never at rest",
             "at most 100 %",
             rested and excess.resting_peak <= 1.0,
-        ),
-        Claim(
-            run,
-            "moving: no excess but the motion's",
-            "while they move, no excess beyond what their motion accounts for "
-            f"(up to {speed:.2f} m/s and {turning:.2f} rad/s relative to the base)",
-            f"{100 * excess.used:.0f} % of it",
-            "at most 100 %",
-            excess.used <= 1.0,
         ),
         Claim(
             run,

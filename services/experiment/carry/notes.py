@@ -24,8 +24,9 @@ def notes(measured: Mapping[str, Measures]) -> list[str]:
         f"in all six directions, the fastest from {BEFORE:g} s before a sample to {AFTER:g} s after it. What the base "
         "moves is in it: a person with whom the base keeps pace does not move relative to it.",
         *(_allowance(name, found) for name, found in measured.items() if np.isfinite(found.excess.used)),
-        "This allowance is wide, because a torque limit of 0.5 Nm is small and a panel long. That the excess is small "
-        "is what the shares of the time over one and over one and a half limits show.",
+        "This allowance is wide, because a torque limit of 0.5 Nm is small and a panel long: hardly any law would use "
+        "it up, so nothing is claimed about it. That the excess is small is what the shares of the time over one and "
+        "over one and a half limits show.",
         *(_effort(name, found) for name, found in measured.items()),
         f"Lowering the robot's end takes more than {HARD_TORQUE:g} Nm of the person's hands for seconds, under every "
         "law: the robot gives way to a torque, and the person stands at the far end. That is more than anybody "
@@ -42,8 +43,8 @@ def _allowance(name: str, found: Measures) -> str:
         for axis, peak, allowed in zip(_AXES, excess.peaks, excess.allowed, strict=True)
     )
     return (
-        f"{name}: hands at up to {speed:.2f} m/s and {turning:.2f} rad/s relative to the base. Largest of what they "
-        f"account for, in limits: {axes}."
+        f"{name}: hands at up to {speed:.2f} m/s and {turning:.2f} rad/s relative to the base. Of the excess that they "
+        f"account for, {100 * excess.used:.0f} % was found at most. Largest, in limits: {axes}."
     )
 
 

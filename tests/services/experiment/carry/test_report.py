@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from html import escape
 from pathlib import Path
 
@@ -53,6 +54,7 @@ def test_the_page_has_claims_figures_strip_and_film(folder: Path) -> None:
 def test_the_page_says_which_speed_was_used_and_what_it_allows(folder: Path) -> None:
     page = (folder / "index.html").read_text()
     assert "certified-omni: hands at up to 0.1" in page
+    assert re.search(r"Of the excess that they account for, \d+ % was found at most", page)
     assert "paper-omni: hands at up to" not in page
 
 
