@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from services.experiment.carry.grip import ON_GROUND
 from services.experiment.carry.judge_following import follows
 from services.experiment.carry.measures import Measures
-from services.experiment.carry.protocol import PANEL_MASS
+from services.experiment.carry.protocol import FORCE_LIMIT, PANEL_MASS, TORQUE_LIMIT
 from services.experiment.claim import Claim
 from services.experiment.run import Run
 from shared.constants import GRAVITY
@@ -28,6 +28,7 @@ DESCENT = 0.5  # [m/s]: twice as fast as the tool can go, the speed after 13 mm 
 TILT = math.radians(15.0)
 FORCE = 25.0  # [N]
 GROUND = 0.5 * PANEL_MASS * GRAVITY  # [N]
+ROUNDING = 1e-6  # [N, Nm]
 UPRIGHT, LEVEL = math.radians(15.0), math.radians(6.0)
 STAYS, LEANS = 0.02, math.radians(5.0)  # [m, rad]
 OVER, FAR_OVER = 0.15, 0.01  # shares of the time
@@ -41,10 +42,11 @@ def judge(runs: Mapping[str, Run], measured: Mapping[str, Measures]) -> list[Cla
     claims: list[Claim] = []
     for name, run in runs.items():
         found = measured[name]
+        always = [_asks_for_the_limits(name, found), _not_dropped(name, found)]
         if run.law == "stiffness":
-            claims += [_not_dropped(name, found), _breaks(name, found)]
+            claims += [*always, _breaks(name, found)]
             continue
-        claims += [_in_order(name, found), _not_dropped(name, found), _level(name, found)]
+        claims += [_in_order(name, found), *always, _level(name, found)]
         if run.law == "certified":
             claims += _limits(name, found)
         claims += [_eases(name, found), *follows(name, found.followed)]
@@ -79,6 +81,28 @@ def _without_returns(states: list[str]) -> tuple[str, ...]:
         elif kept[-1:] != [state]:
             kept.append(state)
     return tuple(kept)
+
+
+def _asks_for_the_limits(run: str, found: Measures) -> Claim:
+    """The limits that everything else is judged by come from the task, which is judged here."""
+    it = found.asked
+    limits = f"limits {it.off:g} off" if it.off > ROUNDING else "limits as stated"
+    others = f", {it.other:g} elsewhere" if it.other > ROUNDING else ""
+    return Claim(
+        run,
+        "asks for the stated limits",
+        f"asks for limits of {_listed(FORCE_LIMIT)} N and {_listed(TORQUE_LIMIT)} Nm, centred on half of the weight "
+        "at most, at every sample while it holds the panel",
+        f"{limits}, centred on {it.lowest:.1f} to {it.highest:.1f} N along z{others}",
+        f"as stated, {-GROUND:.1f} to 0.0 N along z, 0 elsewhere",
+        it.off <= ROUNDING
+        and it.other <= ROUNDING
+        and -GROUND - ROUNDING <= it.lowest <= it.highest <= ROUNDING,
+    )
+
+
+def _listed(values: Sequence[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values)
 
 
 def _not_dropped(run: str, found: Measures) -> Claim:

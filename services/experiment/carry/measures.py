@@ -12,6 +12,7 @@ import numpy as np
 
 from services.experiment.brakes import Brake, brakes, undisturbed
 from services.experiment.carry.allowance import certified
+from services.experiment.carry.asked import Asked, asked
 from services.experiment.carry.effort import Effort, effort
 from services.experiment.carry.excess import Excess, Wrenches, attitudes, excess
 from services.experiment.carry.following import Followed, followed
@@ -36,7 +37,8 @@ class Measures:
         tilt: largest angle of the panel's long axis to the horizontal while it was held.
         descent: fastest that an end of the panel went down [m/s], from the grasp to the end.
         unsupported: seconds in which it was in the air and the gripper did not hold it.
-        brakes: while it was held.
+        asked: which limits were in force while it was held.
+        brakes: in that time.
         excess: of the wrench over its limits in the rest of that time.
         active: share of that time in which some limit shaped the motion.
         followed: what became of each movement of the person.
@@ -53,6 +55,7 @@ class Measures:
     tilt: float
     descent: float
     unsupported: float
+    asked: Asked
     brakes: tuple[Brake, ...]
     excess: Excess
     active: float
@@ -96,6 +99,7 @@ def measure(recording: Recording) -> Measures:
         tilt=float(np.abs(motion.tilt[during]).max(initial=0.0)),
         descent=fastest_descent(motion, span.start),
         unsupported=unsupported(motion, span),
+        asked=asked(wrenches),
         brakes=braked,
         excess=excess(wrenches, undisturbed(wrenches.time, braked), motion, allowance),
         active=_active(recording, span.start, end),

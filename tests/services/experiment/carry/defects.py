@@ -38,6 +38,21 @@ def add(topic: str, name: str, value: tuple[float, ...], start: float, end: floa
     return spoil
 
 
+def asks_for_more(recording: Recording) -> None:
+    """The task widens the limit that the panel's yaw breaks, for a second."""
+    add("control/target", "torque_limit", (0.5, 0.0, 0.0), 30.0, 31.0)(recording)
+
+
+def centred_too_low(recording: Recording) -> None:
+    """The task takes all of the panel's weight for agreed, so that its limits leave more room."""
+    add("control/target", "nominal_force", (0.0, 0.0, -7.4), 30.0, 31.0)(recording)
+
+
+def centred_aside(recording: Recording) -> None:
+    """The task takes a torque for agreed."""
+    add("control/target", "nominal_torque", (0.1, 0.0, 0.0), 30.0, 31.0)(recording)
+
+
 def lost(recording: Recording) -> None:
     """The fingers slip in the middle of the carry, and the robot's end of the panel falls."""
     at = 30.0

@@ -56,6 +56,10 @@ class TestCarry:
     @pytest.mark.parametrize(
         ("defect", "claims"),
         [
+            *(
+                (defect, {"asks for the stated limits"})
+                for defect in (defects.asks_for_more, defects.centred_too_low, defects.centred_aside)
+            ),
             (defects.lost, {"never drops the panel", "lets go when the ground carries it"}),
             (defects.slipped_unseen, {"never drops the panel"}),
             (defects.let_go_early, {"never drops the panel", "lets go when the ground carries it"}),
@@ -112,6 +116,11 @@ class TestCarry:
         assert len(found.brakes) == 8 and found.excess.braked_peak > 1.9
         often = measure(spoilt(carried, defects.brakes(0.4)))
         assert failed(often) == ["hardly ever over 1.5 limits"]
+
+    def test_every_law_has_to_be_asked_for_the_stated_limits(self, carried: Recording) -> None:
+        found = measure(spoilt(carried, defects.asks_for_more))
+        for law in ("certified", "paper", "stiffness"):
+            assert "asks for the stated limits" in failed(found, f"{law}-omni")
 
     def test_a_baseline_that_keeps_its_limits_fails_the_claim_that_it_does_not(
         self, carried: Recording
