@@ -117,6 +117,19 @@ class TestCarry:
         often = measure(spoilt(carried, defects.brakes(0.4)))
         assert failed(often) == ["hardly ever over 1.5 limits"]
 
+    def test_to_rest_for_a_moment_shows_nothing(self, carried: Recording) -> None:
+        found = measure(carried)
+        for resting, failing in ((3.1, []), (2.9, ["at rest: within every limit"])):
+            excess = dataclasses.replace(found.excess, resting=resting)
+            assert failed(dataclasses.replace(found, excess=excess)) == failing
+
+    def test_the_panel_may_be_let_go_of_in_releasing_and_retreating_only(self, carried: Recording) -> None:
+        found = measure(carried)
+        for state in ("carrying", "holding", "grasping"):
+            assert failed(dataclasses.replace(found, let_go_in=state)) == ["never drops the panel"]
+        for state in ("releasing", "retreating"):
+            assert failed(dataclasses.replace(found, let_go_in=state)) == []
+
     def test_every_law_has_to_be_asked_for_the_stated_limits(self, carried: Recording) -> None:
         found = measure(spoilt(carried, defects.asks_for_more))
         for law in ("certified", "paper", "stiffness"):
