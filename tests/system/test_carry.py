@@ -7,6 +7,7 @@ from functools import cache
 import pytest
 
 from benchmarks.experiment_stack import play_run
+from services.experiment.carry.allowance import certified
 from services.experiment.carry.judge import judge
 from services.experiment.carry.measures import Measures, measure
 from services.experiment.carry.play import CARRY
@@ -18,7 +19,7 @@ NAMES = (*(run.name for run in CARRY.runs), "certified-differential", "paper-dif
 
 @cache
 def measured(name: str) -> Measures:
-    return measure(play_run(CARRY, CARRY.run_named(name)))
+    return measure(play_run(CARRY, CARRY.run_named(name)), certified)
 
 
 def claims(*names: str) -> list[Claim]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,6 +47,10 @@ class Certified:
         """
         travel = twist * (self.response + twist / (2.0 * self.acceleration))
         return self.factor * np.einsum("nij,nj->ni", self.stiffness[attitude], travel)
+
+
+Certify = Callable[[Mapping[str, Any], Sequence[float], Sequence[float], np.ndarray], Certified]
+"""As `certified` below."""
 
 
 def certified(

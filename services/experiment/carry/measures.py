@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from services.experiment.brakes import Brake, brakes, undisturbed
-from services.experiment.carry.allowance import certified
+from services.experiment.carry.allowance import Certify
 from services.experiment.carry.asked import Asked, asked
 from services.experiment.carry.effort import Effort, effort
 from services.experiment.carry.excess import Excess, Wrenches, attitudes, excess
@@ -66,8 +66,18 @@ class Measures:
     unhealthy: float
 
 
-def measure(recording: Recording) -> Measures:
-    """Takes the figures of one run; KeyError or ValueError says what the recording lacks."""
+def measure(recording: Recording, certify: Certify) -> Measures:
+    """Takes the figures of one run.
+
+    Args:
+        recording: of it.
+        certify: asks what the run's controller allows, if it runs the certified law; `allowance.certified` starts a
+            process for that.
+
+    Raises:
+        KeyError: a topic or a field is not in the recording.
+        ValueError: the run did not finish, or the panel was never held; the text says so.
+    """
     name = str(recording.meta.get("name"))
     if recording.event("end") is None:
         raise ValueError(f"run {name}: the recording has no event 'end': the run did not finish")
@@ -84,7 +94,7 @@ def measure(recording: Recording) -> Measures:
     braked = tuple(brake for brake in brakes(recording) if brake.end >= span.start and brake.start < end)
     allowance = None
     if recording.meta["law"] == "certified":
-        allowance = certified(
+        allowance = certify(
             recording.meta["settings"]["controller"],
             wrenches.limit.min(axis=0).tolist(),
             wrenches.error.max(axis=0).tolist(),

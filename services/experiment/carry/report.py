@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from services.experiment.carry import figures
+from services.experiment.carry.allowance import certified
 from services.experiment.carry.judge import judge
 from services.experiment.carry.measures import Measures, measure
 from services.experiment.carry.notes import notes
@@ -40,7 +41,7 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
         FileNotFoundError: no recording under `folder`.
         ValueError: no run was played to the end.
     """
-    played = measure_all(folder, _known(), f"LAW-BASE (as in {RUNS[0].name})", measure)
+    played = measure_all(folder, _known(), f"LAW-BASE (as in {RUNS[0].name})", _measured)
     runs, recordings, measured = played.runs, played.recordings, played.figures
     claims = judge(runs, measured)
     problems = [*played.unfinished, *disturbances(measured)]
@@ -69,6 +70,10 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
         {name: recording.meta["settings"] for name, recording in recordings.items()},
     )
     return conclude(folder, text, claims, measured, problems, played.unfinished)
+
+
+def _measured(recording: Recording) -> Measures:
+    return measure(recording, certified)
 
 
 def _scenes(folder: Path, runs: Mapping[str, Run]) -> dict[str, Path]:

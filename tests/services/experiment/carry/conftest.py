@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import pytest
 
 from benchmarks.experiment_stack import play_run
@@ -10,6 +13,8 @@ from services.experiment.carry.allowance import Certified, certified
 from services.experiment.carry.play import CARRY
 from services.experiment.carry.protocol import run_named
 from services.experiment.recording import Recording
+
+Measure = Callable[[Recording], measures.Measures]
 
 
 @pytest.fixture(scope="session")
@@ -21,13 +26,17 @@ def carried() -> Recording:
 @pytest.fixture(scope="session")
 def allowance(carried: Recording) -> Certified:
     """What the controller of that carry allows, asked for once."""
-    asked: list[Certified] = []
+    found: list[Certified] = []
 
-    def ask(*arguments: object) -> Certified:
-        asked.append(certified(*arguments))  # type: ignore[arg-type]
-        return asked[-1]
+    def ask(*question: Any) -> Certified:
+        found.append(certified(*question))
+        return found[-1]
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(measures, "certified", ask)
-        measures.measure(carried)
-    return asked[0]
+    measures.measure(carried, ask)
+    return found[0]
+
+
+@pytest.fixture
+def measure(allowance: Certified) -> Measure:
+    """`measures.measure` without a process for each recording."""
+    return lambda recording: measures.measure(recording, lambda *_: allowance)

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from services.experiment.carry import figures, report
-from services.experiment.carry.measures import measure
 from services.experiment.carry.phases import parts
 from services.experiment.carry.protocol import run_named
 from services.experiment.main import main
 from services.experiment.recording import RECORDING, Recording
 from tests.services.experiment.carry import defects
+from tests.services.experiment.carry.conftest import Measure
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 
@@ -78,7 +78,7 @@ def test_a_carry_that_was_dropped_fails_the_command_and_is_drawn_all_the_same(
     assert "✗ fail" in (tmp_path / "index.html").read_text()
 
 
-def test_a_panel_that_was_never_let_go_can_be_drawn(carried: Recording) -> None:
+def test_a_panel_that_was_never_let_go_can_be_drawn(carried: Recording, measure: Measure) -> None:
     held = copy.deepcopy(carried)
     defects.never_let_go(held)
     found = measure(held)
@@ -86,7 +86,7 @@ def test_a_panel_that_was_never_let_go_can_be_drawn(carried: Recording) -> None:
         assert draw(run_named("certified-omni"), held, found).axes
 
 
-def test_the_parts_are_those_of_the_script_in_its_order(carried: Recording) -> None:
+def test_the_parts_are_those_of_the_script_in_its_order(carried: Recording, measure: Measure) -> None:
     names = [part.name for part in parts(measure(carried))]
     assert names == [
         *("grasp", "lift", "pull", "push", "left", "right", "twist", "twist back", "turn", "lower"),
