@@ -12,7 +12,6 @@ import numpy as np
 
 from benchmarks.carry.witness import PERIOD
 
-AXES = ("fx", "fy", "fz", "tx", "ty", "tz")
 ABOVE_GROUND = 0.01
 """Height [m] of an end of the panel above the ground from which on it is not standing on it."""
 FALLEN = 0.9

@@ -10,8 +10,9 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.carry.cases import KINDS, Case
-from benchmarks.carry.judge import AXES, Verdict
+from benchmarks.carry.judge import Verdict
 from benchmarks.carry.play import Played
+from services.experiment.carry.excess import AXES
 
 Result = tuple[Case, Verdict]
 

@@ -1,4 +1,4 @@
-"""The table of claims on the terminal."""
+"""What an experiment found, as tables on the terminal."""
 
 from __future__ import annotations
 
@@ -22,4 +22,16 @@ def claims_table(claims: Sequence[dict[str, Any]]) -> Table:
             last = claim["run"]
         mark = Text("pass", style="green") if claim["passed"] else Text("FAIL", style="bold red")
         table.add_row(Text(f"  {claim['short']}"), claim["figure"], claim["limit"], mark)
+    return table
+
+
+def figures_table(found: dict[str, Any]) -> Table:
+    """A table as the experiment's report wrote it (`title`, `head`, `rows`): names left, figures right."""
+    table = Table(
+        box=None, pad_edge=False, header_style="bold", title=f"\n{found['title']}", title_justify="left"
+    )
+    for number, name in enumerate(found["head"]):
+        table.add_column(name, justify="right" if number else "left", vertical="bottom", overflow="fold")
+    for row in found["rows"]:
+        table.add_row(*row)
     return table

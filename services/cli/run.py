@@ -14,7 +14,7 @@ import typer
 from rich.console import Console
 
 from services.cli.children import Child, Children
-from services.cli.claims import claims_table
+from services.cli.claims import claims_table, figures_table
 from services.cli.interrupt import stop_event
 from services.cli.lane import Lane
 from services.cli.options import DEFAULT_ROBOT, Robot
@@ -178,6 +178,8 @@ def _conclude(console: Console, folder: Path, report: Child, failures: list[str]
         refuse(f"no report: {report.last_line or 'it said nothing'}; recordings and logs are in {folder}", 1)
     found = json.loads(claims.read_text(encoding="utf-8"))
     console.print(claims_table(found["claims"]))
+    for table in found["tables"][:1]:
+        console.print(figures_table(table))
     for problem in found["problems"]:
         console.print(f"note: {problem}", highlight=False)
     failed = sum(not claim["passed"] for claim in found["claims"]) + len(failures)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from services.experiment.claim import Claim
+from services.experiment.table import Table
 
 _STYLE = """
 :root { color-scheme: light; --ink: #1c1c1c; --soft: #5c5c5c; --line: #dcdcdc; --good: #00694d; --bad: #b00020; }
@@ -25,6 +26,9 @@ th, td { text-align: left; padding: .38rem .7rem .38rem 0; border-bottom: 1px so
 th { font-weight: 600; } td.run { font-weight: 600; white-space: nowrap; }
 td.number { font-variant-numeric: tabular-nums; width: 24%; } td.claim { width: 42%; }
 .mark { font-weight: 700; white-space: nowrap; } .pass .mark { color: var(--good); } .fail .mark { color: var(--bad); }
+.figures td, .figures th { text-align: right; padding: .25rem 0 .25rem .9rem; font-variant-numeric: tabular-nums; }
+.figures td:first-child, .figures th:first-child { text-align: left; padding-left: 0; }
+.figures th { vertical-align: bottom; } .figures td { white-space: nowrap; }
 tr.first td { border-top: 2px solid #9a9a9a; }
 figure { margin: 1.2rem 0 2rem; } figure img, video { width: 100%; height: auto; }
 figcaption { color: var(--soft); font-size: .9rem; max-width: 46rem; }
@@ -48,9 +52,10 @@ def page(
     notes: Sequence[str],
     commands: Sequence[str],
     settings: Mapping[str, Mapping[str, Mapping[str, Any]]],
+    tables: Sequence[Table] = (),
 ) -> str:
     """The whole page. Pictures (SVG or PNG files), stills among the films too, are embedded; films and CSV files are
-    linked relative to `folder`.
+    linked relative to `folder`; tables stand under the claims.
     """
     failed = sum(not claim.passed for claim in claims)
     verdict = (
@@ -71,6 +76,8 @@ def page(
             for caption, path in films.items()
         ]
     parts += ["<h2>Claims</h2>", _claims(claims)]
+    for table in tables:
+        parts += [f"<h2>{escape(table.title)}</h2>", _table(table)]
     parts += ["<h2>Figures</h2>", *(_figure(path, caption) for path, caption in figures)]
     parts += ["<h2>How to read it</h2>", "<ul>", *(f"<li>{escape(note)}</li>" for note in notes), "</ul>"]
     parts += [
@@ -106,6 +113,21 @@ def _claims(claims: Sequence[Claim]) -> str:
         last = claim.run
     head = "<tr><th>run</th><th>claim</th><th>measured</th><th>required</th><th></th></tr>"
     return f'<div class="wide"><table>{head}{"".join(rows)}</table></div>'
+
+
+def _table(table: Table) -> str:
+    """Rows of one name stand together, named once."""
+    rows, last = [], None
+    for name, *cells in table.rows:
+        first = name != last
+        rows.append(
+            f'<tr{" class=first" if first else ""}><td class="run">{escape(name) if first else ""}</td>'
+            + "".join(f"<td>{escape(cell)}</td>" for cell in cells)
+            + "</tr>"
+        )
+        last = name
+    head = "".join(f"<th>{escape(name)}</th>" for name in table.head)
+    return f'<div class="wide"><table class="figures"><tr>{head}</tr>{"".join(rows)}</table></div>'
 
 
 def _figure(path: Path, caption: str) -> str:

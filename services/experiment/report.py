@@ -6,7 +6,7 @@ import dataclasses
 import json
 import platform
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -14,6 +14,7 @@ from typing import Any, Generic, TypeVar
 from services.experiment.claim import Claim
 from services.experiment.recording import RECORDING, Recording
 from services.experiment.run import Run
+from services.experiment.table import Table
 
 Found = TypeVar("Found")
 
@@ -94,12 +95,17 @@ def conclude(
     measured: Mapping[str, Any],
     problems: list[str],
     unfinished: list[str],
+    tables: Sequence[Table] = (),
 ) -> Report:
-    """Writes the page and `claims.json`; `measured` are the figures of each run, dataclasses."""
+    """Writes the page and `claims.json`; `measured` are the figures of each run, dataclasses.
+
+    The first of the tables is what the terminal shows too.
+    """
     index = folder / "index.html"
     index.write_text(text, encoding="utf-8")
     summary = {
         "claims": [dataclasses.asdict(claim) for claim in claims],
+        "tables": [dataclasses.asdict(table) for table in tables],
         "measures": {name: dataclasses.asdict(found) for name, found in measured.items()},
         "problems": problems,
     }

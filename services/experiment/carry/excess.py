@@ -11,6 +11,7 @@ from services.experiment.carry.motion import Motion, rotations, turns_about_z
 from services.experiment.recording import Recording
 from shared import topics
 
+AXES = ("fx", "fy", "fz", "tx", "ty", "tz")
 FAR_OVER = 1.5  # limits: beyond is far beyond
 BEFORE, AFTER = 1.0, 0.3
 """[s] The fastest motion from so long before a sample to so long after it accounts for its excess: an excess dies down
@@ -77,6 +78,7 @@ class Excess:
         braked_peak: largest |w - nominal| / limit in the rest; 0 if there is none.
         peaks: largest |w - nominal| / limit of each axis (6,).
         over: share of the time with any axis over its limit.
+        over_each: the same of each axis (6,).
         surely_over: the same with the error bound taken off.
         far_over: share of the time with any axis over FAR_OVER limits.
         resting: seconds in which neither the hands nor the base moved.
@@ -90,6 +92,7 @@ class Excess:
     braked_peak: float
     peaks: tuple[float, ...]
     over: float
+    over_each: tuple[float, ...]
     surely_over: float
     far_over: float
     resting: float
@@ -117,6 +120,7 @@ def excess(wrenches: Wrenches, quiet: np.ndarray, motion: Motion, certified: Cer
         braked_peak=float(upset.load.max(initial=0.0)),
         peaks=tuple(load.max(axis=0, initial=0.0).tolist()),
         over=_share(load > 1.0),
+        over_each=tuple(np.mean(load > 1.0, axis=0).tolist()) if len(load) else (0.0,) * 6,
         surely_over=_share(sure > 1.0),
         far_over=_share(load > FAR_OVER),
         resting=step * int(rests.sum()),

@@ -28,7 +28,7 @@ class Followed:
     """One movement; NaN where it did not take place.
 
     Attributes:
-        name: of the movement.
+        name, way: of the movement, as in the script.
         start, end: when the person began to want it and when his wish stood again [s].
         wanted: how far he wanted to get [m, rad], signed.
         far, near, base: how far the far end with the hands, the robot's end and the base went, as shares of that.
@@ -39,6 +39,7 @@ class Followed:
     """
 
     name: str
+    way: str
     start: float
     end: float
     wanted: float
@@ -93,8 +94,7 @@ def followed(motion: Motion, script: Sequence[Guidance]) -> tuple[Followed, ...]
     for guidance in script:
         fits = next((span for span in left if _fits(motion, span, guidance)), None)
         if fits is None:
-            nan = float("nan")
-            found.append(Followed(guidance.name, nan, nan, guidance.amount, 0.0, 0.0, 0.0, nan, nan, nan))
+            found.append(_missing(guidance))
             continue
         following = left.index(fits) + 1
         until = left[following][0] if following < len(left) else len(motion.time) - 1
@@ -129,6 +129,12 @@ def _fits(motion: Motion, span: tuple[int, int, str], guidance: Guidance) -> boo
     return way == guidance.way and Ways.of(motion, way, begin).wish[end] * guidance.amount > 0.0
 
 
+def _missing(guidance: Guidance) -> Followed:
+    nan = float("nan")
+    base = nan if guidance.way == "roll" else 0.0
+    return Followed(guidance.name, guidance.way, nan, nan, guidance.amount, 0.0, 0.0, base, nan, nan, nan)
+
+
 def _one(motion: Motion, guidance: Guidance, begin: int, end: int, way: str, until: int) -> Followed:
     time = motion.time
     last = min(int(np.searchsorted(time, time[end] + SETTLING)), until)
@@ -147,6 +153,7 @@ def _one(motion: Motion, guidance: Guidance, begin: int, end: int, way: str, unt
 
     return Followed(
         name=guidance.name,
+        way=way,
         start=float(time[begin]),
         end=float(time[end]),
         wanted=guidance.amount,

@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Sequence
 
 from services.experiment.carry.following import Followed
-from services.experiment.carry.protocol import GUIDANCE
 from services.experiment.claim import Claim
 
 MISSES, MISSES_TURN = 0.03, math.radians(3.0)  # [m, rad]
@@ -25,9 +24,8 @@ Shown = Callable[[float], str]
 def follows(run: str, followed: Sequence[Followed]) -> list[Claim]:
     """All of them for one run, named LAW-BASE."""
     base = run.rpartition("-")[2]
-    way = {guidance.name: guidance.way for guidance in GUIDANCE[base]}
     along, across, rolls = (
-        [one for one in followed if way[one.name] == kind] for kind in ("along", "across", "roll")
+        [one for one in followed if one.way == kind] for kind in ("along", "across", "roll")
     )
     claims = [
         _gets_there(

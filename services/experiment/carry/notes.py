@@ -7,10 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from services.experiment.carry.effort import HARD_TORQUE
-from services.experiment.carry.excess import AFTER, BEFORE, REST_SPEED, REST_TURNING
+from services.experiment.carry.excess import AFTER, AXES, BEFORE, REST_SPEED, REST_TURNING
 from services.experiment.carry.measures import Measures
-
-_AXES = ("fx", "fy", "fz", "tx", "ty", "tz")
 
 
 def notes(measured: Mapping[str, Measures]) -> list[str]:
@@ -40,7 +38,7 @@ def _allowance(name: str, found: Measures) -> str:
     speed, turning = excess.fastest
     axes = ", ".join(
         f"{axis} {peak:.2f} of {allowed:.1f}"
-        for axis, peak, allowed in zip(_AXES, excess.peaks, excess.allowed, strict=True)
+        for axis, peak, allowed in zip(AXES, excess.peaks, excess.allowed, strict=True)
     )
     return (
         f"{name}: hands at up to {speed:.2f} m/s and {turning:.2f} rad/s relative to the base. Of the excess that they "

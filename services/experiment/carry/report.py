@@ -21,6 +21,7 @@ from services.experiment.carry.protocol import (
     TORQUE_LIMIT,
     run_named,
 )
+from services.experiment.carry.tables import tables
 from services.experiment.disturbance import disturbances
 from services.experiment.drawing import save
 from services.experiment.film import FILM, STRIP
@@ -43,7 +44,7 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
     """
     played = measure_all(folder, _known(), f"LAW-BASE (as in {RUNS[0].name})", _measured)
     runs, recordings, measured = played.runs, played.recordings, played.figures
-    claims = judge(runs, measured)
+    claims, compared = judge(runs, measured), tables(measured)
     problems = [*played.unfinished, *disturbances(measured)]
 
     drawn = _draw(folder, runs, recordings, measured)
@@ -68,8 +69,9 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
         [*problems, *notes(measured)],
         commands,
         {name: recording.meta["settings"] for name, recording in recordings.items()},
+        compared,
     )
-    return conclude(folder, text, claims, measured, problems, played.unfinished)
+    return conclude(folder, text, claims, measured, problems, played.unfinished, compared)
 
 
 def _measured(recording: Recording) -> Measures:

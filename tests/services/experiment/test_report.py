@@ -51,6 +51,10 @@ def test_every_claim_stands_on_the_page(folder: Path) -> None:
     assert page.count("✓ pass") == len(claims)
 
 
+def test_an_experiment_without_tables_says_so(folder: Path) -> None:
+    assert json.loads((folder / "claims.json").read_text())["tables"] == []
+
+
 def test_every_figure_is_there_in_both_formats(folder: Path) -> None:
     names = {"comparison", "lowering", *(run.name for run in RUNS)}
     for suffix in (".svg", ".png"):

@@ -13,6 +13,7 @@ import pytest
 from services.experiment.carry import figures, report
 from services.experiment.carry.phases import parts
 from services.experiment.carry.protocol import run_named
+from services.experiment.carry.tables import tables
 from services.experiment.main import main
 from services.experiment.recording import RECORDING, Recording
 from tests.services.experiment.carry import defects
@@ -56,6 +57,40 @@ def test_the_page_says_which_speed_was_used_and_what_it_allows(folder: Path) -> 
     assert "certified-omni: hands at up to 0.1" in page
     assert re.search(r"Of the excess that they account for, \d+ % was found at most", page)
     assert "paper-omni: hands at up to" not in page
+
+
+def test_tables_compare_the_runs_axis_by_axis_and_movement_by_movement(
+    folder: Path, carried: Recording, measure: Measure
+) -> None:
+    page = (folder / "index.html").read_text()
+    found = measure(carried)
+    compared, limits, movements = json.loads((folder / "claims.json").read_text())["tables"]
+    for table in (compared, limits, movements):
+        assert f"<h2>{table['title']}</h2>" in page
+        assert all(len(row) == len(table["head"]) for row in table["rows"])
+        assert all(f"<td>{escape(cell)}</td>" in page for row in table["rows"] for cell in row[1:])
+    assert [row[0] for row in compared["rows"]] == ["certified-omni", "paper-omni"]
+    figures = dict(zip(compared["head"], compared["rows"][0], strict=True))
+    assert figures["largest, limits"] == f"{max(found.excess.peaks):.2f}"
+    assert figures["hands, torque"] == f"{found.effort.torque:.1f} Nm"
+    over, largest = limits["rows"][:2]
+    assert over[2:] == [f"{100 * share:.1f} %" for share in found.excess.over_each]
+    assert largest[2:] == [f"{peak:.2f}" for peak in found.excess.peaks]
+    assert max(found.excess.over_each) <= found.excess.over <= sum(found.excess.over_each)
+    ours = [row for row in movements["rows"] if row[0] == "certified-omni"]
+    assert [row[1] for row in ours] == [one.name for one in found.followed]
+    assert ours[0][1:4] == ["pull", "0.50 m", "100 %"] and ours[-1][2] == "90°" and ours[-1][5] == "–"
+
+
+def test_a_carry_that_did_not_get_there_has_its_row_all_the_same(
+    carried: Recording, measure: Measure
+) -> None:
+    recording = copy.deepcopy(carried)
+    defects.stuck(recording)
+    recording.topics["sim/world"]["hand.doing"][:] = "wait"
+    compared, _, movements = tables({"certified-omni": measure(recording)})
+    assert compared.rows[0][1] == "not (carrying)" and compared.rows[0][-1] == "–"
+    assert movements.rows[-1][2:] == ("90°", "0 %", "0 %", "–", "–", "–", "–")
 
 
 def test_every_figure_is_there_in_both_formats(folder: Path) -> None:
