@@ -28,6 +28,7 @@ td.number { font-variant-numeric: tabular-nums; width: 24%; } td.claim { width: 
 .mark { font-weight: 700; white-space: nowrap; } .pass .mark { color: var(--good); } .fail .mark { color: var(--bad); }
 .figures td, .figures th { text-align: right; padding: .25rem 0 .25rem .9rem; font-variant-numeric: tabular-nums; }
 .figures td:first-child, .figures th:first-child { text-align: left; padding-left: 0; }
+.grouped td:nth-child(2), .grouped th:nth-child(2) { text-align: left; }
 .figures th { vertical-align: bottom; } .figures td { white-space: nowrap; }
 tr.first td { border-top: 2px solid #9a9a9a; }
 figure { margin: 1.2rem 0 2rem; } figure img, video { width: 100%; height: auto; }
@@ -116,18 +117,20 @@ def _claims(claims: Sequence[Claim]) -> str:
 
 
 def _table(table: Table) -> str:
-    """Rows of one name stand together, named once."""
+    """Rows of one name stand together, named once, and their second column names them."""
     rows, last = [], None
+    grouped = len({name for name, *_ in table.rows}) < len(table.rows)
     for name, *cells in table.rows:
         first = name != last
         rows.append(
-            f'<tr{" class=first" if first else ""}><td class="run">{escape(name) if first else ""}</td>'
+            f'<tr{" class=first" if first and grouped else ""}><td class="run">{escape(name) if first else ""}</td>'
             + "".join(f"<td>{escape(cell)}</td>" for cell in cells)
             + "</tr>"
         )
         last = name
     head = "".join(f"<th>{escape(name)}</th>" for name in table.head)
-    return f'<div class="wide"><table class="figures"><tr>{head}</tr>{"".join(rows)}</table></div>'
+    kind = "figures grouped" if grouped else "figures"
+    return f'<div class="wide"><table class="{kind}"><tr>{head}</tr>{"".join(rows)}</table></div>'
 
 
 def _figure(path: Path, caption: str) -> str:

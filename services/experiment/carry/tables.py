@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from services.experiment.carry.excess import AXES
+from services.experiment.carry.excess import AXES, FAR_OVER
 from services.experiment.carry.following import Followed
 from services.experiment.carry.measures import Measures
 from services.experiment.table import Table
@@ -15,64 +15,50 @@ NONE = "–"  # where there is no such figure
 
 def tables(measured: Mapping[str, Measures]) -> list[Table]:
     """All of them, the comparison first."""
+    movements = ("movement", "wanted", "far end", "robot's end", "base", "lag", "base's lag", "reaction")
     return [
         Table(
-            "The runs side by side",
-            (
-                "run",
-                "done after",
-                "over a limit",
-                "over 1.5",
-                "largest, limits",
-                "a limit active",
-                "hands, force",
-                "hands, torque",
-                "work of guiding",
-                "reaction",
-            ),
-            tuple((name, *_compared(found)) for name, found in measured.items()),
+            "The runs side by side (shares of the time, any axis; peaks)",
+            ("", *measured),
+            tuple(_compared(list(measured.values()))),
         ),
         Table(
-            "Limit by limit",
+            "Limit by limit (share of the time over it, largest load)",
             ("run", "", *AXES),
             tuple(row for name, found in measured.items() for row in _limits(name, found)),
         ),
         Table(
-            "Movement by movement",
-            (
-                "run",
-                "movement",
-                "wanted",
-                "far end",
-                "robot's end",
-                "base",
-                "lag",
-                "base's lag",
-                "reaction",
-            ),
+            "Movement by movement (shares of what the person wants, lags behind his wish)",
+            ("run", *movements),
             tuple((name, *_movement(one)) for name, found in measured.items() for one in found.followed),
         ),
     ]
 
 
-def _compared(found: Measures) -> Iterator[str]:
-    excess, effort = found.excess, found.effort
+def _compared(found: Sequence[Measures]) -> Iterator[tuple[str, ...]]:
+    figures: tuple[tuple[str, Callable[[Measures], str]], ...] = (
+        ("done after", _done),
+        ("over a limit", lambda one: _percent(one.excess.over)),
+        (f"over {FAR_OVER:g} limits", lambda one: _percent(one.excess.far_over)),
+        ("largest", lambda one: f"{max(one.excess.peaks):.2f} limits"),
+        ("a limit is active", lambda one: f"{100 * one.active:.0f} %"),
+        ("hands' force", lambda one: f"{one.effort.force:.1f} N"),
+        ("hands' torque", lambda one: f"{one.effort.torque:.1f} Nm"),
+        ("work of guiding", lambda one: f"{one.effort.guiding:.1f} J"),
+        ("slowest reaction", lambda one: _seconds(_slowest(one.followed))),
+    )
+    return ((name, *(figure(one) for one in found)) for name, figure in figures)
+
+
+def _done(found: Measures) -> str:
     state, time = found.states[-1]
-    yield f"{time:.0f} s" if state == "done" else f"not ({state})"
-    yield _percent(excess.over)
-    yield _percent(excess.far_over)
-    yield f"{max(excess.peaks):.2f}"
-    yield f"{100 * found.active:.0f} %"
-    yield f"{effort.force:.1f} N"
-    yield f"{effort.torque:.1f} Nm"
-    yield f"{effort.guiding:.1f} J"
-    yield _seconds(_slowest(found.followed))
+    return f"{time:.0f} s" if state == "done" else f"not ({state})"
 
 
 def _limits(name: str, found: Measures) -> Iterator[tuple[str, ...]]:
     excess = found.excess
-    yield name, "over it", *(_percent(share) for share in excess.over_each)
-    yield name, "largest, limits", *(f"{peak:.2f}" for peak in excess.peaks)
+    yield name, "over", *(_percent(share) for share in excess.over_each)
+    yield name, "largest", *(f"{peak:.2f} x" for peak in excess.peaks)
 
 
 def _movement(one: Followed) -> Iterator[str]:
@@ -93,7 +79,7 @@ def _percent(share: float) -> str:
 
 
 def _share(share: float) -> str:
-    return NONE if math.isnan(share) else f"{100 * share:.0f} %"
+    return NONE if math.isnan(share) else f"{round(100 * share)} %"
 
 
 def _seconds(time: float) -> str:
