@@ -1,4 +1,7 @@
-"""All benchmarks as one table: ``python -m benchmarks [--quick] [--strict] [name ...]``."""
+"""The benchmarks of speed as one table: ``python -m benchmarks [--quick] [--strict] [name ...]``.
+
+What judges safety (`benchmarks.carry`, `benchmarks.contact`, `benchmarks.faults`) is a command of its own each.
+"""
 
 from __future__ import annotations
 
