@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from services.base.base import Base
@@ -23,12 +24,15 @@ from services.task.parameters import TaskParameters
 from services.task.task import Task
 from services.wrench.parameters import WrenchParameters
 from services.wrench.wrench import Wrench
-from shared.clock import seconds
+from shared.bus import Bus
+from shared.clock import Clock, seconds
 from shared.codec import decode_map, encode_map
 from shared.runner import Runner
 from shared.service import Service
 from shared.stack import Stack
 
+Compose = Callable[[Bus, Clock, Callable[[Ask, Answered], None]], Experiment]
+"""Makes an experiment of a bus, a clock, and how to send a request without waiting: `Play.experiment`."""
 LATENCY = 0.0005  # [s] of every message, about what the router takes
 LONGEST = 240.0  # [s] of simulated time for one run, settling included
 
@@ -78,18 +82,17 @@ class Staged(Together):
         experiment: that plays.
 
     Args:
-        play: which experiment.
-        run: which of its runs.
+        compose: makes the experiment.
+        run: that it plays.
         folder: where the services keep what outlives them.
         darkroom: where the camera's pictures are rendered.
     """
 
     def __init__(
-        self, play: Play, run: Run, folder: Path, darkroom: Callable[[Sight], Darkroom] = OwnDarkroom
+        self, compose: Compose, run: Run, folder: Path, darkroom: Callable[[Sight], Darkroom] = OwnDarkroom
     ) -> None:
         super().__init__(run, folder, darkroom)
-        clock = self.stack.scheduler.clock
-        self.experiment: Experiment = play.experiment(run, self.stack.bus, clock, self._ask)
+        self.experiment = compose(self.stack.bus, self.stack.scheduler.clock, self._ask)
         self.stack.add(self.experiment)
 
     def _ask(self, ask: Ask, answered: Answered) -> None:
@@ -108,7 +111,7 @@ def play_run(play: Play, run: Run, darkroom: Callable[[Sight], Darkroom] = OwnDa
         TimeoutError: it did not end.
     """
     with tempfile.TemporaryDirectory() as folder:
-        staged = Staged(play, run, Path(folder), darkroom)
+        staged = Staged(partial(play.experiment, run), run, Path(folder), darkroom)
         staged.stack.run(LONGEST, done=lambda: staged.experiment.finished)
     if not staged.experiment.finished:
         raise TimeoutError(

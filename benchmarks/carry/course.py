@@ -38,7 +38,7 @@ class SweepCourse(CarrySequence):
     """
 
     def __init__(self, case: Case) -> None:
-        super().__init__(case.run)
+        super().__init__(case.run, case.script)
         self._case = case
         self._alone_since: float | None = None
         self._waiting_since: float | None = None
@@ -48,10 +48,8 @@ class SweepCourse(CarrySequence):
         self.told: list[str] = []
         self.resumes = False
 
-    def _place(self, now: float, _seen: Seen) -> list[Ask]:
-        return self.ask(now, Ask(topics.SIM_COMMAND, {"command": "hand", "script": self._case.script}))
-
-    def _play(self, now: float, seen: Seen) -> list[Ask]:
+    def meanwhile(self, now: float, seen: Seen) -> list[Ask]:
+        """What the person says to a robot that waits for a word."""
         self._note(now, seen.reason)
         if self._case.ends_held:
             self._watch(now, seen)
@@ -65,12 +63,7 @@ class SweepCourse(CarrySequence):
         elif now - self._waiting_since > PATIENCE and self.told.count("release") < MOST_RELEASES:
             self._waiting_since = now
             return self._tell(now, seen, "release")
-        return super()._play(now, seen)
-
-    def accepted(self, ask: Ask, sent: float, now: float) -> None:
-        """One step further; what the person says in the middle is none."""
-        if ask.request.get("command") not in self.told:
-            super().accepted(ask, sent, now)
+        return []
 
     def _watch(self, now: float, seen: Seen) -> None:
         """What becomes of a panel whose other end he has let go of."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +16,10 @@ from benchmarks.carry.judge import Verdict, judge
 from benchmarks.carry.witness import Witness
 from benchmarks.experiment_stack import LONGEST, Staged
 from services.experiment.carry import protocol
+from services.experiment.carry.judge import STATES
+from services.experiment.carry.sequence import GIVEN_UP
 from services.experiment.course import Failed
-from services.experiment.play import Play
+from services.experiment.experiment import Experiment
 from services.experiment.recording import Event
 from services.task.parameters import TaskParameters
 from shared.messages import Stop
@@ -43,10 +46,9 @@ class Played:
 def play(chosen: Case) -> Played:
     """Play a case to its end."""
     course = SweepCourse(chosen)
-    carry = Play("sweep", (chosen.run,), lambda _: chosen.run, 0.0, "", lambda _: course, None, None)
     trouble = ""
     with tempfile.TemporaryDirectory() as folder:
-        staged = Staged(carry, chosen.run, Path(folder))
+        staged = Staged(partial(Experiment, course, None, {}), chosen.run, Path(folder))
         warning = TaskParameters.of(chosen.run.settings["task"]).warning
         witness = Witness(staged.simulator, protocol.PANEL_SIZE[2], warning)
         staged.stack.add(witness)
@@ -65,7 +67,7 @@ def play(chosen: Case) -> Played:
             trouble = f"still {course.phase} after {LONGEST:g} s"
     start = course.start or 0.0
     events = [Event(event.time - start, event.name, event.detail) for event in course.events]
-    states = [event for event in events if event.name in STATES]
+    states = [event for event in events if event.name in {*STATES, *GIVEN_UP}]
     end = states[-1] if states else Event(0.0, "", trouble)
     limits = np.array(protocol.FORCE_LIMIT + protocol.TORQUE_LIMIT)
     verdict = judge(witness.seen(), limits, end.name, end.detail, course.told, trouble, chosen.ends_held)
@@ -76,17 +78,3 @@ def verdict_of(seed: int, overrides: Changes) -> tuple[Case, Verdict]:
     """The case of a seed and the verdict on it: what was seen stays in the process that played it, it is large."""
     played = play(case(seed, overrides))
     return played.case, played.verdict
-
-
-STATES = (
-    "idle",
-    "calibrating",
-    "searching",
-    "approaching",
-    "grasping",
-    "carrying",
-    "releasing",
-    "retreating",
-    "done",
-    "holding",
-)

@@ -17,10 +17,16 @@ GIVEN_UP = ("holding", "idle")  # states of the task in which it goes on only if
 
 
 class CarrySequence(Course):
-    """Starts person and task, covers the marker once the panel is held, and waits for the end."""
+    """Starts person and task, covers the marker once the panel is held, and waits for the end.
 
-    def __init__(self, run: Run) -> None:
+    Args:
+        run: configuration that the stack must have.
+        script: of the person, as `sim/command hand` takes it; None for the run's own.
+    """
+
+    def __init__(self, run: Run, script: str | None = None) -> None:
         super().__init__(run, "waiting for the robot")
+        self._script = protocol.SCRIPTS[run.name.rpartition("-")[2]] if script is None else script
         self._state = ""
         self._doing = ""
         self._ended: float | None = None
@@ -50,14 +56,19 @@ class CarrySequence(Course):
         return self.tare(now)
 
     def _place(self, now: float, _seen: Seen) -> list[Ask]:
-        script = protocol.SCRIPTS[self.run.name.rpartition("-")[2]]
-        return self.ask(now, Ask(topics.SIM_COMMAND, {"command": "hand", "script": script}))
+        return self.ask(now, Ask(topics.SIM_COMMAND, {"command": "hand", "script": self._script}))
 
     def _start(self, now: float, _seen: Seen) -> list[Ask]:
         return self.ask(now, Ask(topics.TASK_COMMAND, {"command": "start"}))
 
+    def meanwhile(self, now: float, seen: Seen) -> list[Ask]:
+        """What else to ask for at a step while the carry is played: nothing. For those who derive from this."""
+        return []
+
     def _play(self, now: float, seen: Seen) -> list[Ask]:
         assert self.start is not None
+        if asks := self.meanwhile(now, seen):
+            return asks
         if seen.doing != self._doing:
             self._doing = seen.doing
             if seen.doing:
@@ -85,15 +96,15 @@ class CarrySequence(Course):
             self.done = True
 
     def accepted(self, ask: Ask, sent: float, now: float) -> None:
-        """One step further."""
+        """One step further; what was asked meanwhile is none."""
         if ask.query is topics.WRENCH_TARE:
             self.events.append(Event(sent, "tare"))
             self.enter("placing the person", now)
-        elif ask.query is topics.TASK_COMMAND:
+        elif self.phase == "placing the person":
+            self.enter("starting the task", now)
+        elif self.phase == "starting the task":
             self.start = now
             self.events.append(Event(now, "start"))
             self.enter("playing", now)
-        elif self.phase == "playing":
+        elif ask.request["command"] == "cover_marker":
             self.events.append(Event(now, "covered", "the marker"))
-        else:
-            self.enter("starting the task", now)
