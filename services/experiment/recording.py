@@ -10,10 +10,12 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
+import zlib
 from dataclasses import MISSING, dataclass, field
 from pathlib import Path
 from types import NoneType
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -79,14 +81,22 @@ class Recording:
 
     @classmethod
     def load(cls, path: Path) -> Recording:
-        """Reads a file written by `save`."""
-        with np.load(path, allow_pickle=False) as archive:
-            head = json.loads(str(archive["meta"]))
-            topics: dict[str, Columns] = {}
-            for entry in archive.files:
-                if entry != "meta":
-                    key, name = entry.split("|", 1)
-                    topics.setdefault(key, {})[name] = archive[entry]
+        """Reads a file written by `save`.
+
+        Raises:
+            FileNotFoundError: there is none.
+            ValueError: it is damaged or no recording.
+        """
+        topics: dict[str, Columns] = {}
+        try:
+            with np.load(path, allow_pickle=False) as archive:
+                head = json.loads(str(archive["meta"]))
+                for entry in archive.files:
+                    if entry != "meta":
+                        key, name = entry.split("|", 1)
+                        topics.setdefault(key, {})[name] = archive[entry]
+        except (BadZipFile, EOFError, KeyError, ValueError, zlib.error) as problem:
+            raise ValueError(f"{path} is damaged or no recording ({problem}): play the run again") from None
         return cls(head["meta"], [Event(**event) for event in head["events"]], topics)
 
     def write_csv(self, folder: Path) -> list[Path]:

@@ -89,3 +89,25 @@ def test_what_is_missing_is_named(recording: Recording) -> None:
         recording.time("state/ee")
     with pytest.raises(KeyError, match="no field 'force'"):
         recording.series("sim/world", "force")
+
+
+@pytest.mark.parametrize("kept", [0.0, 0.5, 0.98], ids=("nothing", "half", "most"))
+def test_a_damaged_recording_is_refused_by_name(recording: Recording, tmp_path: Path, kept: float) -> None:
+    path = tmp_path / "recording.npz"
+    recording.save(path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(kept * len(whole))])
+    with pytest.raises(ValueError, match=r"recording.npz is damaged or no recording .*play the run again"):
+        Recording.load(path)
+
+
+def test_another_archive_and_mere_text_are_no_recordings(tmp_path: Path) -> None:
+    path = tmp_path / "other.npz"
+    np.savez(path, values=np.zeros(3))
+    with pytest.raises(ValueError, match="no recording"):
+        Recording.load(path)
+    path.write_text("not at all")
+    with pytest.raises(ValueError, match="no recording"):
+        Recording.load(path)
+    with pytest.raises(FileNotFoundError):
+        Recording.load(tmp_path / "none.npz")
