@@ -37,7 +37,8 @@ class Verdict:
         share: of the time while it carried in which the force on an axis was above its limit, per axis.
         peak: largest force over limit, per axis.
         tilt: largest pitch [rad] of the panel while both held it.
-        strain: of the person's arms while he held it: mean force [N] and torque [Nm].
+        strain: spring part of the person's hands while he held it, without damping and the weight that he lifts: mean
+            force [N] and torque [Nm].
         stands: at the end the panel stands on its edge.
         held: at the end the gripper holds it.
         ends_held: that is what was to be, because the person let go of his end in the middle.

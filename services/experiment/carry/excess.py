@@ -40,7 +40,12 @@ class Wrenches:
 
     @classmethod
     def of(cls, recording: Recording, start: float, end: float) -> Wrenches:
-        """What was measured from a time [s] to another."""
+        """What was measured from a time [s] to another.
+
+        Raises:
+            KeyError: wrench or target is not in the recording.
+            ValueError: a wrench was measured before anybody had said what the limits are.
+        """
         key, agreed = topics.WRENCH_EXTERNAL.key, topics.CONTROL_TARGET.key
         time = recording.time(key)
         chosen = (time >= start) & (time < end)

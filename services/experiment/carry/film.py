@@ -13,7 +13,11 @@ from shared import topics
 
 
 def film_data(recording: Recording, path: Path) -> None:
-    """Writes what `services.sim.film` reads, everything on the time base of `sim/world`."""
+    """Writes what `services.sim.film` reads, everything on the time base of `sim/world`.
+
+    Raises:
+        KeyError: the recording lacks what the film shows.
+    """
     world, joints, base = topics.SIM_WORLD.key, topics.STATE_JOINTS.key, topics.STATE_BASE.key
     wrench, target = topics.WRENCH_EXTERNAL.key, topics.CONTROL_TARGET.key
     time = recording.time(world)

@@ -122,7 +122,12 @@ def measure(recording: Recording, certify: Certify) -> Measures:
 
 
 def task_states(recording: Recording) -> tuple[tuple[tuple[str, float], ...], str]:
-    """The task's states since the start, each with the time [s] when it was first heard, and the last one's reason."""
+    """The task's states since the start, each with the time [s] when it was first heard, and the last one's reason.
+
+    Raises:
+        KeyError: nothing at all was heard of it.
+        ValueError: nothing was heard after the start.
+    """
     key = topics.TASK_STATUS.key
     since = recording.time(key) >= 0.0
     states = changes(recording.time(key)[since], recording.series(key, "state")[since])

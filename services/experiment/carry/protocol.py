@@ -90,7 +90,11 @@ _LAW: dict[str, dict[str, Any]] = {
 
 
 def run(law: str, base: str) -> Run:
-    """The carry under a law, with a base or none."""
+    """The carry under a law, with a base or none.
+
+    Raises:
+        KeyError: `law` is none of LAWS or `base` none of BASES; `run_named` says it to people.
+    """
     base_type = "omni" if base == "none" else base
     return Run(
         name=f"{law}-{base}",

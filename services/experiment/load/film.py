@@ -11,7 +11,11 @@ from shared import topics
 
 
 def film_data(recording: Recording, path: Path) -> None:
-    """Writes what `services.sim.film` reads: joint angles, bag and load on the joints' time base."""
+    """Writes what `services.sim.film` reads: joint angles, bag and load on the joints' time base.
+
+    Raises:
+        KeyError: the recording lacks what the film shows.
+    """
     joints, world, wrench = topics.STATE_JOINTS.key, topics.SIM_WORLD.key, topics.WRENCH_EXTERNAL.key
     time = recording.time(joints)
     shown = time >= 0
