@@ -34,7 +34,7 @@ class CarryRig:
     def __init__(self, folder: Path, base: str = "omni") -> None:
         self.services = Together(protocol.run("certified", base), folder)
         self.stack, self.client = self.services.stack, self.services.stack.client
-        self.witness = Witness(self.services.simulator, protocol.PANEL_SIZE[2])
+        self.witness = Witness(self.services.simulator, protocol.PANEL_SIZE[2], warning="")
         self.stack.add(self.witness)
         self.states: list[tuple[float, str, str]] = []
         self._task = self.client.watch(topics.TASK_STATUS, lambda received: self._note(received.message))
