@@ -147,9 +147,12 @@ class Commands(ABC):
         self.fingers.open()
 
     def _carry_from(self, seen: Seen) -> Carry:
-        """Carry on from where the tool is now, with what the robot carries and how far it has turned already."""
+        """Carry on from where the tool is now, with what the robot carries and the same home.
+
+        Somebody may have pulled the tool away meanwhile, while the base stood: the base brings the arm back.
+        """
         before = self._carry
-        home = seen.tool if before is None else seen.tool.rolled_as(before.home)
+        home = seen.tool if before is None else before.home
         nominal = before.nominal if before else None
         self._carry = Carry(self._settings, self.fingers, home, float(seen.tool.position[2]), nominal)
         return self._carry

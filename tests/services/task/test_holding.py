@@ -225,3 +225,15 @@ def test_a_tool_that_points_down_is_not_carried_on_with() -> None:
     play.tick()
     with pytest.raises(Refused, match=r"the tool points (up|down) by 40 degrees, allowed are 30"):
         play.machine.command("start")
+
+
+def test_carrying_on_it_has_the_same_home_although_the_tool_was_pulled_away_meanwhile() -> None:
+    """With the arm stretched it could not set the panel down."""
+    play = lifted()
+    home = play.machine.entry(None).home
+    play.machine.command("abort")
+    play.tick()
+    play.toy.tool = Pose(play.toy.tool.position + np.array((0.15, 0.0, 0.0)), play.toy.tool.rotation)
+    play.tick()
+    play.machine.command("start")
+    assert play.tick().target.position[:2] == pytest.approx(home.position[:2])
