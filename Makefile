@@ -12,6 +12,8 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check -q
 # uv takes an eighth of pip's time; pip knows settings of this machine (an index, a certificate) that uv may not.
 install = $(BIN)/uv pip install -q --python $(BIN)/python --require-hashes -r $(REQUIREMENTS)/$(1).txt \
 	|| $(PIP) install --require-hashes -r $(REQUIREMENTS)/$(1).txt
+# Tests that share the cores; those of one module stay together.
+SHARED := --numprocesses auto --maxprocesses 4 --dist loadscope
 COMPILE := $(BIN)/uv pip compile -q --generate-hashes --python-version 3.11 --no-emit-index-url \
 	--custom-compile-command "make lock"
 
@@ -58,8 +60,9 @@ test: $(READY) ## every test, or those that PYTEST_ARGS names
 ifdef PYTEST_ARGS
 	@$(BIN)/python -m pytest $(PYTEST_ARGS)
 else
-	@$(BIN)/python -m pytest -m "not processes" --numprocesses auto --maxprocesses 4 --dist loadscope
-	@$(BIN)/python -m pytest -m processes
+	@$(BIN)/python -m pytest -m "not processes" $(SHARED)
+	@$(BIN)/python -m pytest -m processes --ignore tests/system $(SHARED)
+	@$(BIN)/python -m pytest -m processes tests/system  # in real time: no other test beside it
 endif
 
 lint: $(READY) ## style, layers and types
