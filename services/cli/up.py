@@ -74,14 +74,15 @@ def up(
     """Start a stack (router, simulated robot, wrench, controller) and show its state until Ctrl-C."""
     if carry and config is not None:
         refuse(f"--carry and --config {config}: choose one; --set goes with both")
-    parsed, more = parse_settings(settings), check_further(further)
+    parsed, more, config = parse_settings(settings), check_further(further), check_config(config)
+    # Last: a mistake in the command is told whatever else is running.
     check_port(router)
     stop = stop_event()
     with Children() as children, tempfile.TemporaryDirectory(prefix="tandem-") as folder:
         if carry:
             (run,) = planned("carry", ["certified-omni"])["runs"]
             config, more = write_config(run, Path(folder) / "carry.toml"), tuple(run["further"])
-        plan = Plan(robot, router, check_config(config), parsed, more)
+        plan = Plan(robot, router, config, parsed, more)
         stack = Stack(plan, children)
         try:
             stack.wait_for_router()

@@ -134,6 +134,7 @@ def test_failed_sensor_latches_until_resumed(around: Surroundings, base: Process
     eventually(around.moving, 20.0)
     around.fault, around.valid = "silent", False
     eventually(around.braked("silent"), message="at rest")
+    throughout(around.braked("silent"), 0.5, "for longer than it takes to latch")
     around.fault, around.valid = "", True
     eventually(around.braked("tandem resume"), message="latched")
     throughout(lambda: not around.moving(), 1.0, "it stays braked")
