@@ -19,6 +19,8 @@ _ALIGNED, _ALIGNED_ANGLE = 0.02, 0.1
 """Before it goes in, and while: sideways distance [m] and angle [rad] from the line to the grasp."""
 _ASTRAY = 0.05
 """Sideways distance [m] from which it goes back and begins anew: the panel was moved."""
+_TURNED_MUCH = 0.5
+"""Angle [rad] by which a gripper of 0.8 kg has to turn to make a tare wrong by what the torque limits allow."""
 _LAG = 0.1
 """Largest distance [m] of the target ahead of the tool: what is in the way is pressed no harder by waiting longer."""
 _THERE, _THERE_ANGLE = 0.01, 0.05  # [m], [rad]
@@ -100,9 +102,10 @@ class Approach:
             return Decision("closing the gripper", seen.tool, after=State.GRASPING)
         if self._time > settings.move_patience:
             text = f"the grasp was not reached in {settings.move_patience:g} s: {np.linalg.norm(ahead):.2f} m and "
-            return Decision(
-                f"{text}{angle:.2f} rad are left; is something in the way?", seen.tool, after=State.HOLDING
-            )
+            why = "is something in the way?"
+            if angle > _TURNED_MUCH:
+                why += " Or does the tare not hold for a gripper that is turned so far? `tandem identify` weighs it"
+            return Decision(f"{text}{angle:.2f} rad are left; {why}", seen.tool, after=State.HOLDING)
         where = "going in" if self._way > 0.0 else "going to the point before the grasp"
         return Decision(f"{where}, {np.linalg.norm(ahead):.2f} m left", target)
 
