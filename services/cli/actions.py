@@ -49,17 +49,25 @@ def _latch(bus: Bus, message: Stop) -> None:
     inlet: Inlet[RobotStatus] = client.watch(topics.STATE_ROBOT)
     controller: Inlet[ControlStatus] = client.watch(topics.CONTROL_STATUS)
     deadline = time.monotonic() + CONFIRM_WITHIN
+    latched = False
     while time.monotonic() < deadline:
         client.publish(topics.STOP, message)
         time.sleep(REPEAT)
         shown = inlet.latest
-        latched = not message.engaged and controller.latest and "latched" in controller.latest.message.reason
+        latched = (
+            not message.engaged
+            and controller.latest is not None
+            and "latched" in controller.latest.message.reason
+        )
         if shown is not None and (shown.message.mode == "stopped") == message.engaged and not latched:
             return
     if inlet.latest is None:
         refuse(
             "sent, but no robot answers on state/robot: is the robot process running? See: tandem status", 1
         )
+    if latched:
+        assert controller.latest is not None
+        refuse(f"the robot is released, but not the controller: {controller.latest.message.reason}", 1)
     wanted = "stopped" if message.engaged else "released"
     refuse(
         f"sent, but the robot does not show {wanted} within {CONFIRM_WITHIN:g} s (it is {inlet.latest.message.mode})",
@@ -92,7 +100,9 @@ def task(
     """Tell the carrying task what to do; `tandem topic echo task/status` says what it does and why."""
     with open_bus(robot, connect) as bus:
         reply = ask(bus, topics.TASK_COMMAND, {"command": command})
-    typer.echo(f"task: {reply['state']}")
+    typer.echo(
+        f"{command}: accepted, the task is {reply['state']}; what it does: tandem topic echo task/status"
+    )
 
 
 def hold(

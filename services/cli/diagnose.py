@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from shared.messages import ControlStatus, Health, RobotStatus
+from shared.messages import ControlStatus, Health, RobotStatus, TaskStatus
 
 HEALTH_LATE = 1.0  # [s]: health comes every 0.5 s; a service that misses two is lost
 
@@ -73,3 +73,8 @@ def control_line(status: ControlStatus | None) -> tuple[str, bool]:
         return "nothing heard on control/status: is the controller running?", False
     line = f"law {status.law}, {status.state}" + (f": {status.reason}" if status.reason else "")
     return line, status.state != "braking"
+
+
+def task_line(status: TaskStatus) -> tuple[str, bool]:
+    """The carrying task in one line, and whether it goes on by itself: holding, it waits for a person."""
+    return f"{status.state}: {status.reason}", status.state != "holding"

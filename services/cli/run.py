@@ -168,7 +168,11 @@ def _router(children: Children, endpoint: str, folder: Path) -> None:
 def _report_arguments(folder: Path, chosen: list[dict[str, Any]]) -> list[str]:
     arguments = ["report", str(folder), "--ran", f"tandem {' '.join(sys.argv[1:])}"]
     for run in chosen:
-        arguments += ["--ran", f"{run['name']}: tandem up --config {folder.name}/{run['name']}/config.toml"]
+        further = "".join(f" --with {service}" for service in run["further"])
+        arguments += [
+            "--ran",
+            f"{run['name']}: tandem up --config {folder}/{run['name']}/config.toml{further}",
+        ]
     return arguments
 
 

@@ -19,9 +19,10 @@ def planned(experiment: str, names: list[str]) -> dict[str, Any]:
     """
     arguments = ["plan", experiment, *(word for name in names for word in ("--run", name))]
     done = subprocess.run(command("experiment", arguments), capture_output=True, text=True, check=False)
-    if done.returncode:
+    # A signal that ends both finds it without a word, too.
+    if done.returncode or not done.stdout:
         said = (done.stderr.strip().splitlines() or ["ended without a word"])[-1]
-        refuse(said.removeprefix("experiment: "), done.returncode)
+        refuse(said.removeprefix("experiment: "), done.returncode or 1)
     return json.loads(done.stdout)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -28,8 +29,8 @@ def hand(
     where: Annotated[
         list[str],
         typer.Argument(
-            help="X Y Z [m] to guide the hands to, in base_footprint as it stood at the start; or: carry; or the text "
-            "of a script in TOML"
+            help="X Y Z [m] to guide the hands to, in base_footprint as it stood at the start; or: carry; or a script "
+            "in TOML, as a file or as text"
         ),
     ],
     robot: Robot = DEFAULT_ROBOT,
@@ -37,15 +38,21 @@ def hand(
 ) -> None:
     """Have the simulated person guide the panel's far end somewhere, or play the whole carry or a script."""
     if len(where) == 1:
-        _command(robot, connect, {"command": "hand", "script": where[0]})
-        typer.echo(f"the person plays {where[0] if where[0].isidentifier() else 'your script'}")
+        script, text = where[0], where[0]
+        if script.endswith(".toml"):
+            try:
+                text = Path(script).read_text(encoding="utf-8")
+            except (OSError, UnicodeDecodeError) as problem:
+                refuse(f"hand {script}: {problem}")
+        _command(robot, connect, {"command": "hand", "script": text})
+        typer.echo(f"the person plays {script if script.isidentifier() else 'your script'}")
         return
     try:
         target = [float(number) for number in where]
     except ValueError:
         target = []
     if len(target) != 3 or not all(map(math.isfinite, target)):
-        refuse(f"hand {' '.join(where)}: wanted X Y Z in m, carry, or the text of a script")
+        refuse(f"hand {' '.join(where)}: wanted X Y Z in m, carry, or a script (FILE.toml, or its text)")
     _command(robot, connect, {"command": "hand", "target": target})
     typer.echo(f"the hands go to {target} m, at 0.15 m/s")
 

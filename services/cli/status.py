@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 
 from services.cli import diagnose
-from services.cli.diagnose import control_line, robot_line
+from services.cli.diagnose import control_line, robot_line, task_line
 from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.plan import SERVICES, remembered
 from services.cli.view import services_table, summary
@@ -43,9 +43,11 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
             console.print(line, soft_wrap=True)
         robot_text, robot_ok = robot_line(watch.message(topics.STATE_ROBOT))
         control_text, control_ok = control_line(watch.message(topics.CONTROL_STATUS))
+        task = watch.message(topics.TASK_STATUS)
     wrong = [f"{row.service} is {row.state}: {row.detail}" for row in rows if not row.ok]
     if not wrong:
-        wrong += [text for text, ok in ((robot_text, robot_ok), (control_text, control_ok)) if not ok]
+        told = [(robot_text, robot_ok), (control_text, control_ok), *([task_line(task)] if task else [])]
+        wrong += [text for text, ok in told if not ok]
     console.print()
     if not wrong:
         console.print("everything works", style="green")

@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from services.cli.children import Child
-from services.cli.diagnose import Row, control_line, robot_line
+from services.cli.diagnose import Row, control_line, robot_line, task_line
 from services.cli.watch import Watch
 from shared import topics
 from shared.messages import ControlStatus, ExternalWrench
@@ -68,13 +68,17 @@ def _process(child: Child | None) -> Text:
 
 
 def summary(watch: Watch) -> list[Text]:
-    """Robot, controller, load and rates, a line each."""
+    """Robot, controller, the task if there is one, load and rates, a line each."""
     robot, robot_ok = robot_line(watch.message(topics.STATE_ROBOT))
     control, control_ok = control_line(watch.message(topics.CONTROL_STATUS))
     lines = [
         Text.assemble(("robot       ", "bold"), (robot, "" if robot_ok else "red")),
         Text.assemble(("controller  ", "bold"), (control, "" if control_ok else "red")),
     ]
+    task = watch.message(topics.TASK_STATUS)
+    if task is not None:
+        text, task_ok = task_line(task)
+        lines.append(Text.assemble(("task        ", "bold"), (text, "" if task_ok else "red")))
     wrench, status = watch.message(topics.WRENCH_EXTERNAL, 0.2), watch.message(topics.CONTROL_STATUS)
     if wrench is not None:
         lines.append(Text.assemble(("load        ", "bold"), _load(wrench, status)))

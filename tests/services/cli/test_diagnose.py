@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from services.cli.diagnose import Heard, control_line, never_seen, robot_line, rows
-from shared.messages import ControlStatus, Health, RobotStatus
+from services.cli.diagnose import Heard, control_line, never_seen, robot_line, rows, task_line
+from shared.messages import ControlStatus, Health, RobotStatus, TaskStatus
 
 
 def health(state: str = "ok", detail: str = "") -> Health:
@@ -61,3 +61,9 @@ def test_a_braking_controller_gives_its_reason() -> None:
     line, ok = control_line(status)
     assert not ok
     assert "wrench/external is silent" in line
+
+
+@pytest.mark.parametrize(("state", "ok"), [("carrying", True), ("holding", False)])
+def test_a_task_that_waits_for_a_person_is_wrong_and_gives_its_reason(state: str, ok: bool) -> None:
+    line, found = task_line(TaskStatus(state, 1.0, "the marker was lost", 0.0, 0.8, None))
+    assert found == ok and line == f"{state}: the marker was lost"

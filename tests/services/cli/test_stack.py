@@ -85,9 +85,10 @@ def test_the_marker_is_covered_and_uncovered(stack: Process, endpoint: str) -> N
 def test_the_person_plays_a_script_of_ones_own(stack: Process, endpoint: str, tmp_path: Path) -> None:
     script = tmp_path / "my.toml"
     script.write_text('# Mine.\n[[phase]]\ndo = "wait"\nuntil = "grasp"\npatience = 600\n')
-    assert (
-        tandem("hand", script.read_text(), "--connect", endpoint).stdout == "the person plays your script\n"
-    )
+    for given in (script.read_text(), str(script)):
+        assert tandem("hand", given, "--connect", endpoint).stdout == "the person plays your script\n"
+    missing = tandem("hand", str(tmp_path / "none.toml"), "--connect", endpoint)
+    assert missing.returncode == 2 and "No such file" in missing.stderr
     done = tandem("topic", "echo", "sim/world", "--count", "1", "--connect", endpoint)
     assert '"doing": "wait"' in done.stdout
     refused = tandem("hand", script.read_text().replace("wait", "dance"), "--connect", endpoint)
