@@ -84,6 +84,7 @@ class Journal:
     def __init__(self, folder: Path | None, boot: str = "") -> None:
         self._folder = folder
         self._boot = boot
+        self._alone: int | None = None
         self.problem = ""
 
     def read(self, session: int) -> Entry | None:
@@ -130,13 +131,19 @@ class Journal:
             else:
                 write_whole(ours, json.dumps(_plain(entry, now, self._boot)))
             self.problem = ""
-            for path in self._files(session):
-                if path != ours:
-                    with suppress(OSError):
-                        path.unlink()
+            if self._alone != session:
+                self._leave_alone(session)
         except OSError as problem:
             text = f"cannot write {ours} ({problem.strerror})"
             self.problem = f"{text}: a restart would not know of the carry"
+
+    def _leave_alone(self, session: int) -> None:
+        """Remove what is not of this session; once is enough, since nobody else writes here."""
+        for path in self._files(session):
+            if path != self._path(session):
+                with suppress(OSError):
+                    path.unlink()
+        self._alone = session
 
     def _path(self, session: int) -> Path:
         assert self._folder is not None
