@@ -201,22 +201,32 @@ def test_a_stop_with_a_reason_as_long_as_a_message_silences_nobody() -> None:
     assert len(statuses) - before >= 10
 
 
-def test_robot_restarted_while_carrying_holds_where_it_is_now() -> None:
-    rig = Rig().carrying()
+def restarted_elsewhere(rig: Rig) -> Pose:
+    """The robot falls silent, and comes back in a new session with its tool somewhere else: there."""
     rig.robot.muted |= {STATE_EE.key}
     rig.run(1.5)
     rig.restart_robot()
     tool = rig.robot.toy.tool
     rig.robot.toy.tool = Pose(tool.position + np.array((0.0, 0.1, 0.2)), tool.rotation)
-    where = rig.robot.toy.tool
     rig.robot.muted.clear()
     for received in rig.robot.received.values():
         received.clear()
+    return rig.robot.toy.tool
+
+
+def only_wants(rig: Rig, where: Pose) -> bool:
+    """Whether there were targets since, and every valid one is there."""
+    targets = [r.message.position for r in rig.robot.received[CONTROL_TARGET.key] if r.header.valid]
+    return bool(targets) and np.allclose(targets, where.position, atol=0.01)
+
+
+def test_robot_restarted_while_carrying_holds_where_it_is_now() -> None:
+    rig = Rig().carrying()
+    where = restarted_elsewhere(rig)
     rig.until("holding", 3.0)
     assert "restarted" in rig.robot.reason and rig.robot.toy.gripped
     rig.run(1.0)
-    targets = [r.message.position for r in rig.robot.received[CONTROL_TARGET.key] if r.header.valid]
-    assert targets and np.allclose(targets, where.position, atol=0.01)
+    assert only_wants(rig, where)
 
 
 def test_unreadable_image_is_said() -> None:
@@ -264,16 +274,7 @@ def test_images_that_opencv_cannot_work_on_are_of_no_use_and_end_nothing(
 def test_a_robot_that_was_restarted_while_it_was_held_is_held_where_it_is() -> None:
     rig = Rig().carrying()
     rig.ask("abort")
-    rig.robot.muted |= {STATE_EE.key}
-    rig.run(1.5)
-    rig.restart_robot()
-    tool = rig.robot.toy.tool
-    rig.robot.toy.tool = Pose(tool.position + np.array((0.0, 0.1, 0.2)), tool.rotation)
-    where = rig.robot.toy.tool
-    rig.robot.muted.clear()
-    for received in rig.robot.received.values():
-        received.clear()
+    where = restarted_elsewhere(rig)
     rig.run(3.0)
-    targets = [r.message.position for r in rig.robot.received[CONTROL_TARGET.key] if r.header.valid]
-    assert targets and np.allclose(targets, where.position, atol=0.01)
+    assert only_wants(rig, where)
     assert rig.robot.toy.gripped and rig.robot.state == "holding"
