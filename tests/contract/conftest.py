@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.conftest import Router, _processes
-from tests.contract.robot import Commander, Robot, RobotProcess, launch
+from tests.contract.robot import Commander, Robot, RobotProcess, launch, lives_through
 
 ROBOTS = {
     "sim": RobotProcess("services.sim"),
@@ -31,11 +31,8 @@ def robot(
     """One process for all tests of a file: it has to live through all of them."""
     with _processes(tmp_path_factory.mktemp("robot")) as start_process:
         robot = Robot(shared_router.endpoint)
-        process = launch(kind, shared_router.endpoint, start_process)
-        yield robot.started()
-        robot.close()
-        assert process.running, process.output
-        assert "Traceback" not in process.output, process.output
+        with lives_through(robot, launch(kind, shared_router.endpoint, start_process)):
+            yield robot
 
 
 @pytest.fixture

@@ -246,6 +246,15 @@ class Robot(Network):
         self.rests()
 
 
+@contextmanager
+def lives_through(robot: Robot, process: Process) -> Iterator[Robot]:
+    """The robot of a process once it speaks; the process has to live through all that is done with it."""
+    yield robot.started()
+    robot.close()
+    assert process.running, process.output
+    assert "Traceback" not in process.output, process.output
+
+
 def launch(
     kind: RobotProcess,
     endpoint: str,

@@ -14,7 +14,7 @@ from shared.messages import CameraImage, FtSample, Header, JointState
 from shared.sim_messages import SimWorld
 from shared.topics import SENSOR_CAMERA, SENSOR_FT, SIM_WORLD, STATE_JOINTS, Topic
 from tests.conftest import Router, _processes
-from tests.contract.robot import PATIENCE, Robot
+from tests.contract.robot import PATIENCE, Robot, lives_through
 from tests.support.wait import eventually
 
 pytestmark = pytest.mark.processes
@@ -30,10 +30,8 @@ def process(shared_router: Router, tmp_path_factory: pytest.TempPathFactory) -> 
     with _processes(tmp_path_factory.mktemp("sim")) as start_process:
         sim = Robot(shared_router.endpoint, "tiago")
         running = start_process("services.sim", environment={"TANDEM_CONNECT": shared_router.endpoint})
-        yield sim.started()
-        sim.close()
-        assert running.running, running.output
-        assert "Traceback" not in running.output, running.output
+        with lives_through(sim, running):
+            yield sim
 
 
 @pytest.fixture
