@@ -11,7 +11,7 @@ from shared.codec import Rejected, decode_map, encode_map
 from shared.inlet import Inlet, Received
 from shared.parameters import Refused
 from shared.publisher import Publisher
-from shared.records import Record
+from shared.schema.records import Record
 from shared.topics import Query, Topic
 
 M = TypeVar("M", bound=Record)

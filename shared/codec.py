@@ -6,9 +6,9 @@ from typing import Any, TypeVar
 
 import msgpack
 
-from shared.fields import InvalidField
 from shared.messages import Header
-from shared.records import Record
+from shared.schema.fields import InvalidField
+from shared.schema.records import Record
 
 MAP_CAP = 64 * 1024
 """Largest payload [bytes] of a query, and of every message that is not an image."""

@@ -13,7 +13,7 @@ from shared.clock import Clock, nanoseconds, seconds
 from shared.codec import Rejected, decode
 from shared.faults import Fault
 from shared.messages import LONGEST_TTL, Header
-from shared.records import Record
+from shared.schema.records import Record
 from shared.topics import ANYBODY, Topic
 
 M = TypeVar("M", bound=Record)

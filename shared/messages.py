@@ -11,8 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shared.fields import Boolean, Bytes, Integer, InvalidField, Number, Quaternion, Text, TextList, Vector
-from shared.records import MapOf, Record, RecordOf, of
+from shared.schema.fields import (
+    Boolean,
+    Bytes,
+    Integer,
+    InvalidField,
+    Number,
+    Quaternion,
+    Text,
+    TextList,
+    Vector,
+)
+from shared.schema.records import MapOf, Record, RecordOf, of
 
 LONGEST_TTL = 0.2
 """No command is executed for longer than this [s] after its publication, whatever its ``ttl`` says."""

@@ -9,7 +9,7 @@ from shared.bus import Bus
 from shared.clock import Clock
 from shared.codec import Payload
 from shared.messages import Header
-from shared.records import Record
+from shared.schema.records import Record
 from shared.topics import Topic
 
 

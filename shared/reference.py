@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import MISSING
 from typing import Any
 
-from shared.fields import Boolean, Bytes, Integer, Kind, Number, Quaternion, Text, TextList, Vector
 from shared.messages import Header
-from shared.records import MapOf, Record, RecordOf
+from shared.schema.fields import Boolean, Bytes, Integer, Kind, Number, Quaternion, Text, TextList, Vector
+from shared.schema.records import MapOf, Record, RecordOf
 from shared.topics import ANYBODY, QUERIES, ROBOT, TOPICS, health_topic
 
 _PREAMBLE = """\

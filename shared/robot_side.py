@@ -9,7 +9,7 @@ import numpy as np
 from shared.base_gate import BaseGate, BaseLimits
 from shared.limits import Gate, GateLimits
 from shared.messages import BaseTwistCommand, GripperCommand, HeadCommand, RobotStatus, TwistCommand
-from shared.records import Record
+from shared.schema.records import Record
 from shared.service import Inputs, Output, Reading
 from shared.setpoints import Ranges, Setpoint
 from shared.spatial import Array

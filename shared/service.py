@@ -9,7 +9,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from shared.faults import Fault
 from shared.messages import Header
 from shared.parameters import Parameters
-from shared.records import Record
+from shared.schema.records import Record
 from shared.topics import Query, Topic
 
 M = TypeVar("M", bound=Record)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Generic, TypeVar
 
-from shared.records import Record
+from shared.schema.records import Record
 from shared.service import Inputs
 from shared.topics import Topic
 

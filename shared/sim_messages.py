@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shared.fields import Boolean, Number, Quaternion, Text, Vector
-from shared.records import Record, RecordOf, of
+from shared.schema.fields import Boolean, Number, Quaternion, Text, Vector
+from shared.schema.records import Record, RecordOf, of
 
 
 @dataclass(frozen=True, eq=False)

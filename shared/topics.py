@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 
 from shared import messages as m
 from shared.codec import MAP_CAP
-from shared.records import Record
+from shared.schema.records import Record
 from shared.sim_messages import SimWorld
 
 M = TypeVar("M", bound=Record)

@@ -16,9 +16,9 @@ from services.cli.refusal import refuse
 from shared import topics
 from shared.bus import Bus
 from shared.client import Client
-from shared.fields import InvalidField
 from shared.inlet import Inlet
 from shared.messages import ControlStatus, ControlTarget, RobotStatus, Stop
+from shared.schema.fields import InvalidField
 from shared.spatial import quaternion_from_rpy
 
 CONFIRM_WITHIN = 3.0  # [s]

@@ -28,7 +28,7 @@ from shared.messages import (
     Stop,
     TwistCommand,
 )
-from shared.records import Record
+from shared.schema.records import Record
 from shared.spatial import Array, rotation_matrix
 from shared.topics import (
     COMMAND_EE_TWIST,

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from shared.messages import GripperCommand, HeadCommand, TwistCommand
-from shared.records import Record
+from shared.schema.records import Record
 from shared.topics import COMMAND_EE_TWIST, COMMAND_GRIPPER, COMMAND_HEAD, Topic
 from tests.contract.robot import PATIENCE, ZERO, Commander, Robot
 from tests.support.wait import eventually, throughout

@@ -14,7 +14,7 @@ from shared.faults import Fault, FaultKind
 from shared.inlet import Inlet, Received
 from shared.messages import ControlTarget, EndEffector, ExternalWrench, FtSample, Header, TwistCommand
 from shared.parameters import Parameters, Refused, parameter
-from shared.records import Record
+from shared.schema.records import Record
 from shared.service import Inputs, Output, Wiring
 from shared.topics import (
     COMMAND_EE_TWIST,

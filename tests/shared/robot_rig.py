@@ -7,8 +7,8 @@ import numpy as np
 from shared.base_gate import BaseLimits
 from shared.limits import GateLimits
 from shared.messages import Header, RobotStatus, TwistCommand
-from shared.records import Record
 from shared.robot_side import RobotSide
+from shared.schema.records import Record
 from shared.service import Inputs, Reading
 from shared.topics import COMMAND_EE_TWIST, STATE_ROBOT, Topic
 

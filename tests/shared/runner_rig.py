@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from shared.faults import FaultKind
 from shared.messages import TwistCommand
-from shared.records import Record
+from shared.schema.records import Record
 from shared.stack import Stack
 from shared.topics import COMMAND_EE_TWIST, STATE_EE, WRENCH_EXTERNAL, Topic
 from tests.shared.rig import Recorder, Source, speed, tool, wrench

@@ -8,7 +8,7 @@ import msgpack
 import pytest
 
 from shared.codec import Rejected, decode
-from shared.records import Record
+from shared.schema.records import Record
 
 HEADER: dict[str, Any] = {"seq": 7, "session": 3, "stamp": 5, "valid": True}
 SAMPLE = HEADER | {

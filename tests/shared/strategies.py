@@ -7,9 +7,9 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from shared.fields import Boolean, Bytes, Integer, Kind, Number, Quaternion, Text, TextList, Vector
 from shared.messages import Header, Health, JointState
-from shared.records import MapOf, Record, RecordOf
+from shared.schema.fields import Boolean, Bytes, Integer, Kind, Number, Quaternion, Text, TextList, Vector
+from shared.schema.records import MapOf, Record, RecordOf
 from shared.topics import TOPICS
 
 MESSAGES: tuple[type[Record], ...] = (*dict.fromkeys(topic.message for topic in TOPICS), Health)

@@ -13,7 +13,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from shared.codec import MAP_CAP, Payload, Rejected, decode, decode_map, encode, encode_map
-from shared.fields import InvalidField, Kind, Number, Vector
 from shared.messages import (
     BaseTwistCommand,
     ControlTarget,
@@ -23,7 +22,8 @@ from shared.messages import (
     Header,
     TwistCommand,
 )
-from shared.records import MapOf, Record, RecordOf
+from shared.schema.fields import InvalidField, Kind, Number, Vector
+from shared.schema.records import MapOf, Record, RecordOf
 from shared.sim_messages import BagState
 from tests.shared.samples import SAMPLE, rejection
 from tests.shared.strategies import MESSAGES, any_plain, payload_map

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from shared.messages import GripperCommand, HeadCommand, Stop
-from shared.records import Record
+from shared.schema.records import Record
 from shared.service import Inputs
 from shared.setpoints import OLDEST
 from shared.stack import Stack

@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 from shared.messages import Header
-from shared.records import MapOf, RecordOf
+from shared.schema.records import MapOf, RecordOf
 from shared.topics import (
     ANYBODY,
     QUERIES,

@@ -13,7 +13,7 @@ import msgpack
 
 from shared.client import Client
 from shared.inlet import Received
-from shared.records import Record
+from shared.schema.records import Record
 from shared.topics import Topic, health_topic
 from tests.support.spoilt_bus import SpoiltBus
 

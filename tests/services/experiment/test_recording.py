@@ -12,7 +12,7 @@ from services.experiment.recording import Event, Recorder, Recording
 from shared import topics
 from shared.codec import decode_map, encode, encode_map
 from shared.messages import Header, Health, InputHealth, JointState
-from shared.records import Record
+from shared.schema.records import Record
 from shared.sim_messages import BagState, SimWorld
 
 

@@ -18,7 +18,7 @@ from shared.messages import (
     ExternalWrench,
     RobotStatus,
 )
-from shared.records import Record
+from shared.schema.records import Record
 from shared.topics import (
     BASE_ENABLE,
     COMMAND_GRIPPER,

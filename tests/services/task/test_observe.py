@@ -18,7 +18,7 @@ from shared.messages import (
     RobotStatus,
     Stop,
 )
-from shared.records import Record
+from shared.schema.records import Record
 from shared.service import Inputs, Reading
 from shared.topics import (
     CONTROL_STATUS,

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from shared.fields import FLOAT_ONLY, InvalidField, Kind, Vector, read_only, shown
+from shared.schema.fields import FLOAT_ONLY, InvalidField, Kind, Vector, read_only, shown
 
 _SEQUENCES = (list, tuple)
 
