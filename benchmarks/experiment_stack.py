@@ -24,12 +24,12 @@ from services.task.parameters import TaskParameters
 from services.task.task import Task
 from services.wrench.parameters import WrenchParameters
 from services.wrench.wrench import Wrench
-from shared.bus import Bus
 from shared.clock import Clock, seconds
-from shared.codec import decode_map, encode_map
 from shared.runner import Runner
 from shared.service import Service
 from shared.stack import Stack
+from shared.wire.bus import Bus
+from shared.wire.codec import decode_map, encode_map
 
 Compose = Callable[[Bus, Clock, Callable[[Ask, Answered], None]], Experiment]
 """Makes an experiment of a bus, a clock, and how to send a request without waiting: `Play.experiment`."""

@@ -19,11 +19,11 @@ import msgpack
 
 from benchmarks.fault_robot import LEVEL, POSITION, FaultRobot
 from benchmarks.table import Row, at_most
-from shared.bus import NoReply
-from shared.client import Client
 from shared.messages import ControlTarget, Stop
 from shared.parameters import Refused
 from shared.topics import CONTROL_TARGET, SENSOR_FT, STOP, WRENCH_TARE
+from shared.wire.bus import NoReply
+from shared.wire.client import Client
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process
 from tests.support.spoilt_bus import healthy

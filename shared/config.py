@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, NoReturn, TypeVar
 
-from shared.bus_zenoh import DEFAULT_ENDPOINT
 from shared.parameters import Parameters, Refused
 from shared.topics import SERVICES
+from shared.wire.zenoh import DEFAULT_ENDPOINT
 
 P = TypeVar("P", bound=Parameters)
 

@@ -10,12 +10,12 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-from shared.bus_zenoh import BusError, ZenohBus
 from shared.clock import SteadyClock, seconds
 from shared.config import Misconfigured, complain, settings
 from shared.parameters import Parameters, Refused
 from shared.runner import Runner
 from shared.service import Service
+from shared.wire.zenoh import BusError, ZenohBus
 
 P = TypeVar("P", bound=Parameters)
 

@@ -6,10 +6,10 @@ import queue
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from shared.bus import OnRequest, Reply
-from shared.codec import Rejected, decode_map, encode_map
 from shared.parameters import Refused
 from shared.topics import Query
+from shared.wire.bus import OnRequest, Reply
+from shared.wire.codec import Rejected, decode_map, encode_map
 
 if TYPE_CHECKING:
     from shared.service import Service

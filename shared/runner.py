@@ -7,15 +7,15 @@ from collections.abc import Callable, Iterable
 
 from shared import faults
 from shared.arming import REARM_AFTER, Arming
-from shared.bus import Bus, Leave, Work
 from shared.clock import Clock, nanoseconds, seconds
 from shared.faults import Fault
-from shared.inlet import Inlet, Received
-from shared.publisher import Publisher
 from shared.queries import QueryDesk
 from shared.service import Inputs, Output, Reading, Service
 from shared.timing import HealthReporter, LoopTiming
 from shared.topics import Topic
+from shared.wire.bus import Bus, Leave, Work
+from shared.wire.publisher import Publisher
+from shared.wire.subscription import Inlet, Received
 
 BRAKE_PERIOD = 0.05
 """Time [s] between two braking outputs while an input is silent."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from shared.bus_local import LocalBus, Scheduler
-from shared.client import Client
 from shared.clock import nanoseconds
 from shared.runner import Runner
 from shared.service import Service
+from shared.wire.client import Client
+from shared.wire.local import LocalBus, Scheduler
 
 
 class Stack:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from shared import messages as m
-from shared.codec import MAP_CAP
 from shared.schema.records import Record
 from shared.sim_messages import SimWorld
+from shared.wire.codec import MAP_CAP
 
 M = TypeVar("M", bound=Record)
 

@@ -17,12 +17,12 @@ import numpy as np
 from benchmarks.contact.cases import Case
 from benchmarks.contact.robot import Robot
 from benchmarks.contact.world import World
-from shared.client import Client
-from shared.inlet import Received
 from shared.limits import Gate, GateLimits
 from shared.messages import ControlTarget, EndEffector, FtSample, RobotStatus, TwistCommand
 from shared.spatial import Array, quaternion
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, STATE_EE, STATE_ROBOT, WRENCH_EXTERNAL
+from shared.wire.client import Client
+from shared.wire.subscription import Received
 
 TICK = 0.002
 """The robot's own period [s]."""

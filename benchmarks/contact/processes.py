@@ -24,8 +24,8 @@ from benchmarks.contact.laws import parameters
 from benchmarks.contact.live import LiveRobot, Measured
 from benchmarks.contact.measure import OVER
 from benchmarks.contact.sampling import draw
-from shared.bus_zenoh import ZenohBus
-from shared.client import Client
+from shared.wire.client import Client
+from shared.wire.zenoh import ZenohBus
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process
 

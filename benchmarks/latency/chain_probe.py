@@ -12,13 +12,13 @@ import time
 import numpy as np
 
 from benchmarks.latency.pacing import printed
-from shared.bus import OnPayload, Work
-from shared.bus_zenoh import ZenohBus
-from shared.client import Client
 from shared.clock import SteadyClock, seconds
 from shared.messages import ControlTarget
 from shared.runner import Runner
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, health_topic
+from shared.wire.bus import OnPayload, Work
+from shared.wire.client import Client
+from shared.wire.zenoh import ZenohBus
 from tests.support.stub_robot import StubParameters, StubRobot
 from tests.support.wait import eventually
 

@@ -6,7 +6,7 @@ import sys
 import time
 
 from benchmarks.latency.pacing import paced, printed
-from shared.bus_zenoh import ZenohBus
+from shared.wire.zenoh import ZenohBus
 
 ROBOT = "floor"
 WARM_UP = 1.0

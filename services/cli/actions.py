@@ -14,12 +14,12 @@ from services.cli.interrupt import stop_event
 from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.refusal import refuse
 from shared import topics
-from shared.bus import Bus
-from shared.client import Client
-from shared.inlet import Inlet
 from shared.messages import ControlStatus, ControlTarget, RobotStatus, Stop
 from shared.schema.fields import InvalidField
 from shared.spatial import quaternion_from_rpy
+from shared.wire.bus import Bus
+from shared.wire.client import Client
+from shared.wire.subscription import Inlet
 
 CONFIRM_WITHIN = 3.0  # [s]
 REPEAT = 0.1  # [s]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from services.cli.refusal import refuse
-from shared.bus import Bus, NoReply
-from shared.client import Client
 from shared.parameters import Refused
 from shared.topics import Query
+from shared.wire.bus import Bus, NoReply
+from shared.wire.client import Client
 
 
 def ask(bus: Bus, query: Query, request: dict[str, Any], timeout: float = 3.0) -> dict[str, Any]:

@@ -14,10 +14,10 @@ from services.cli.children import command
 from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot
 from services.cli.param import shown
 from shared import topics
-from shared.bus import NoReply
-from shared.bus_zenoh import BusError, ZenohBus
-from shared.client import Client
 from shared.parameters import Refused
+from shared.wire.bus import NoReply
+from shared.wire.client import Client
+from shared.wire.zenoh import BusError, ZenohBus
 
 CONTEXT = {"allow_extra_args": True, "ignore_unknown_options": True}
 FOUND_WITHIN = 1.0  # [s]

@@ -14,13 +14,13 @@ from services.cli.ask import ask
 from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.refusal import refuse
 from shared import topics
-from shared.bus import NoReply
-from shared.bus_zenoh import ZenohBus
-from shared.client import Client
-from shared.inlet import Inlet
 from shared.messages import ControlTarget, EndEffector, RobotStatus
 from shared.parameters import Refused
 from shared.spatial import pose_error, rotation_matrix, rpy_from_rotation
+from shared.wire.bus import NoReply
+from shared.wire.client import Client
+from shared.wire.subscription import Inlet
+from shared.wire.zenoh import ZenohBus
 
 # Tilts about base x and y as shares of the angle: once around, each a short way from the last.
 TILTS = ((0, 0), (1, 0), (0.7, 0.7), (0, 1), (-0.7, 0.7), (-1, 0), (-0.7, -0.7), (0, -1), (0.7, -0.7), (0, 0))

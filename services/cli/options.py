@@ -11,7 +11,7 @@ import typer
 
 from services.cli.plan import DEFAULT_ENDPOINT
 from services.cli.refusal import refuse
-from shared.bus_zenoh import BusError, ZenohBus
+from shared.wire.zenoh import BusError, ZenohBus
 
 Robot = Annotated[
     str,

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from services.cli.refusal import refuse
-from shared.bus_zenoh import DEFAULT_ENDPOINT
+from shared.wire.zenoh import DEFAULT_ENDPOINT
 
 ROUTER = "router"
 SERVICES = ("sim", "wrench", "controller")  # of every stack, in order of start; any order works

@@ -17,8 +17,8 @@ from services.cli.refusal import refuse
 from services.cli.watch import Watch
 from shared import topics
 from shared.clock import SteadyClock
-from shared.inlet import Inlet, Received
 from shared.topics import topic_by_key
+from shared.wire.subscription import Inlet, Received
 
 app = typer.Typer(help="What is said on the bus.")
 Key = Annotated[str, typer.Argument(help="Key without the robot, such as wrench/external.")]

@@ -7,10 +7,10 @@ from typing import Any
 
 from services.cli.diagnose import Heard
 from shared import topics
-from shared.bus import Bus
 from shared.clock import Clock, SteadyClock
-from shared.inlet import Inlet
 from shared.topics import SERVICES, Topic, health_topic
+from shared.wire.bus import Bus
+from shared.wire.subscription import Inlet
 
 
 class Watch:

@@ -13,13 +13,13 @@ from services.experiment.course import Ask, Course
 from services.experiment.recording import Recorder, Recording
 from services.experiment.seen import INPUTS, Seen
 from shared import topics
-from shared.bus import Bus, OnPayload
 from shared.clock import Clock, seconds
 from shared.faults import Fault
 from shared.messages import ControlTarget
 from shared.parameters import Parameters, Refused
 from shared.service import Inputs, Output, Wiring
 from shared.topics import Query, Topic, health_topic
+from shared.wire.bus import Bus, OnPayload
 
 PERIOD = 0.1  # [s] of a step, and between two `control/target`
 Answered = Callable[[dict[str, Any]], None]

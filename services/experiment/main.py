@@ -21,15 +21,15 @@ from services.experiment.load.play import LOAD
 from services.experiment.play import Play
 from services.experiment.recording import RECORDING, Recording
 from shared import topics
-from shared.bus import Bus, NoReply
-from shared.bus_zenoh import BusError, ZenohBus
-from shared.client import Client
 from shared.clock import SteadyClock, seconds
 from shared.config import Misconfigured, OneLineParser, complain, robot_name, service_parser
-from shared.inlet import Inlet
 from shared.parameters import Refused
 from shared.process import StopRequest
 from shared.runner import Runner
+from shared.wire.bus import Bus, NoReply
+from shared.wire.client import Client
+from shared.wire.subscription import Inlet
+from shared.wire.zenoh import BusError, ZenohBus
 
 NAME = "experiment"
 PLAYS = {play.name: play for play in (LOAD, CARRY)}

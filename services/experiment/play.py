@@ -12,9 +12,9 @@ from services.experiment.experiment import Answered, Experiment
 from services.experiment.recording import Recording
 from services.experiment.report import Report
 from services.experiment.run import Run
-from shared.bus import Bus
 from shared.clock import Clock
 from shared.messages import ControlTarget
+from shared.wire.bus import Bus
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from shared.codec import Rejected, decode, decode_map
 from shared.topics import Topic, topic_by_key
+from shared.wire.codec import Rejected, decode, decode_map
 
 RECORDING = "recording.npz"  # its name in the folder of a run
 Columns = dict[str, np.ndarray]

@@ -7,9 +7,9 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from shared.bus_zenoh import DEFAULT_ENDPOINT, BusError, open_router
 from shared.config import Misconfigured, OneLineParser, complain
 from shared.process import StopRequest
+from shared.wire.zenoh import DEFAULT_ENDPOINT, BusError, open_router
 
 NAME = "router"
 

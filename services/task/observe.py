@@ -10,7 +10,6 @@ from services.task.marker import MarkerTracker
 from services.task.parameters import TaskParameters
 from services.task.states import Seen
 from shared.clock import seconds
-from shared.inlet import PERIODS_TO_SILENCE, SLOWEST_PERIOD
 from shared.messages import Header
 from shared.service import Inputs, Reading
 from shared.topics import (
@@ -21,6 +20,7 @@ from shared.topics import (
     STOP,
     WRENCH_EXTERNAL,
 )
+from shared.wire.subscription import PERIODS_TO_SILENCE, SLOWEST_PERIOD
 
 GUARDED_MAX_AGE = 0.08
 """Age [s] of a control status up to which the base may follow, or three of its periods if that is more: with a step of

@@ -17,7 +17,6 @@ import msgpack
 import numpy as np
 import zenoh
 
-from shared.codec import Rejected, decode, encode
 from shared.messages import (
     BaseState,
     EndEffector,
@@ -43,6 +42,7 @@ from shared.topics import (
     Topic,
     topic_by_key,
 )
+from shared.wire.codec import Rejected, decode, encode
 from tests.support.processes import Process
 from tests.support.wait import eventually
 

@@ -9,7 +9,6 @@ from collections import Counter
 import pytest
 from PIL import Image
 
-from shared.codec import decode
 from shared.messages import CameraImage, Header, RobotStatus
 from shared.sim_messages import SimWorld
 from shared.topics import (
@@ -23,6 +22,7 @@ from shared.topics import (
     STATE_ROBOT,
     Topic,
 )
+from shared.wire.codec import decode
 from tests.contract.robot import PATIENCE, Heard, Robot, RobotProcess
 from tests.support.wait import eventually
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from shared.codec import Rejected, decode
 from shared.messages import CameraImage, FtSample, Header, JointState
 from shared.sim_messages import SimWorld
 from shared.topics import SENSOR_CAMERA, SENSOR_FT, SIM_WORLD, STATE_JOINTS, Topic
+from shared.wire.codec import Rejected, decode
 from tests.conftest import Router, _processes
 from tests.contract.robot import PATIENCE, Robot, lives_through
 from tests.support.wait import eventually

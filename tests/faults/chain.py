@@ -9,10 +9,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from shared.bus import NoReply
-from shared.bus_zenoh import ZenohBus
-from shared.client import Client
-from shared.inlet import Received
 from shared.messages import ControlStatus, ControlTarget, Stop, TwistCommand
 from shared.parameters import Refused
 from shared.topics import (
@@ -23,6 +19,10 @@ from shared.topics import (
     WRENCH_TARE,
     health_topic,
 )
+from shared.wire.bus import NoReply
+from shared.wire.client import Client
+from shared.wire.subscription import Received
+from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
 from tests.faults.programs.robot import LEVEL, POSITION
 from tests.support.processes import Process

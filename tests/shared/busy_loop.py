@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from shared.bus_local import LocalBus, Scheduler
 from shared.runner import Runner
 from shared.topics import STATE_EE, WRENCH_EXTERNAL
+from shared.wire.local import LocalBus, Scheduler
 from tests.shared.rig import ManualClock, Publisher, Recorder, tool, wrench
 
 

@@ -7,11 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from shared.bus_local import LocalBus, Scheduler
 from shared.clock import nanoseconds
-from shared.codec import encode
 from shared.faults import Fault, FaultKind
-from shared.inlet import Inlet, Received
 from shared.messages import ControlTarget, EndEffector, ExternalWrench, FtSample, Header, TwistCommand
 from shared.parameters import Parameters, Refused, parameter
 from shared.schema.records import Record
@@ -27,6 +24,9 @@ from shared.topics import (
     Query,
     Topic,
 )
+from shared.wire.codec import encode
+from shared.wire.local import LocalBus, Scheduler
+from shared.wire.subscription import Inlet, Received
 
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 ZERO = (0.0, 0.0, 0.0)

@@ -7,8 +7,8 @@ from typing import Any
 import msgpack
 import pytest
 
-from shared.codec import Rejected, decode
 from shared.schema.records import Record
+from shared.wire.codec import Rejected, decode
 
 HEADER: dict[str, Any] = {"seq": 7, "session": 3, "stamp": 5, "valid": True}
 SAMPLE = HEADER | {

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from shared.bus_zenoh import DEFAULT_ENDPOINT
 from shared.config import Misconfigured, complain, settings
 from shared.process import run
+from shared.wire.zenoh import DEFAULT_ENDPOINT
 from tests.shared.rig import Recorder, RecorderParameters
 
 CONFIG = """\

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from shared.bus_zenoh import ZenohBus
 from shared.process import Loop, StopRequest
+from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router
 from tests.shared.busy_loop import BusyLoop
 from tests.shared.runner_rig import Rig

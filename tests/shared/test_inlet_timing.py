@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shared.faults import FaultKind
-from shared.inlet import LOSS_LIMIT
+from shared.wire.subscription import LOSS_LIMIT
 from tests.shared.rig import Feed, Publisher, ft_sample
 
 

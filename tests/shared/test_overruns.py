@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from shared.codec import decode
 from shared.faults import FaultKind
 from shared.messages import Header, TwistCommand
 from shared.runner import LONGEST_DT
 from shared.timing import LoopTiming
 from shared.topics import COMMAND_EE_TWIST, WRENCH_EXTERNAL
+from shared.wire.codec import decode
 from tests.shared.busy_loop import BusyLoop
 from tests.shared.rig import ManualClock
 

@@ -8,8 +8,8 @@ import threading
 
 import pytest
 
-from shared.bus_zenoh import ZenohBus
 from shared.process import StopRequest
+from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
 from tests.support.ports import free_endpoint
 from tests.support.wait import eventually

@@ -10,8 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shared.bus import NoReply
-from shared.codec import encode_map
 from shared.messages import Health, JointState
 from shared.parameters import Refused
 from shared.topics import (
@@ -25,6 +23,8 @@ from shared.topics import (
     Topic,
     health_topic,
 )
+from shared.wire.bus import NoReply
+from shared.wire.codec import encode_map
 from tests.shared.rig import target, tool, wrench
 from tests.shared.runner_rig import Rig
 from tests.shared.strategies import any_plain

@@ -5,10 +5,10 @@ from __future__ import annotations
 import msgpack
 import pytest
 
-from shared.bus import NoReply
-from shared.bus_local import LocalBus, Scheduler
 from shared.stack import Stack
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, STATE_EE, WRENCH_EXTERNAL
+from shared.wire.bus import NoReply
+from shared.wire.local import LocalBus, Scheduler
 from tests.shared.rig import Recorder, Source, target, tool, wrench
 
 

@@ -6,7 +6,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterable
 
-from shared.bus_zenoh import ZenohBus
+from shared.wire.zenoh import ZenohBus
 
 Spoil = Callable[[str, bytes], Iterable[bytes]]
 

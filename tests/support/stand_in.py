@@ -11,10 +11,10 @@ from typing import Self, TypeVar
 
 import msgpack
 
-from shared.client import Client
-from shared.inlet import Received
 from shared.schema.records import Record
 from shared.topics import Topic, health_topic
+from shared.wire.client import Client
+from shared.wire.subscription import Received
 from tests.support.spoilt_bus import SpoiltBus
 
 M = TypeVar("M", bound=Record)

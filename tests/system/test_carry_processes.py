@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 
 from shared import topics
-from shared.bus_zenoh import ZenohBus
-from shared.client import Client
 from shared.messages import BaseState, TaskStatus
 from shared.sim_messages import SimWorld
+from shared.wire.client import Client
+from shared.wire.zenoh import ZenohBus
 from tests.services.cli.command import pids, tandem
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process

@@ -14,10 +14,10 @@ from services.experiment.load.measures import Measures, measure
 from services.experiment.load.play import LOAD
 from services.experiment.load.protocol import FORCE_LIMIT, HEAVY, LIGHT, RUNS, run_named, unambiguous
 from services.experiment.run import Run
-from shared.bus_local import LocalBus
-from shared.codec import decode
 from shared.messages import TwistCommand
 from shared.topics import COMMAND_EE_TWIST
+from shared.wire.codec import decode
+from shared.wire.local import LocalBus
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 

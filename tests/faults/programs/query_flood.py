@@ -5,10 +5,10 @@ import itertools
 import signal
 import threading
 
-from shared.bus import NoReply
-from shared.bus_zenoh import ZenohBus
-from shared.codec import encode_map
 from shared.topics import CONTROL_PARAMETERS, WRENCH_IDENTIFY, WRENCH_PARAMETERS, WRENCH_TARE
+from shared.wire.bus import NoReply
+from shared.wire.codec import encode_map
+from shared.wire.zenoh import ZenohBus
 
 KEYS = itertools.cycle((CONTROL_PARAMETERS.key, WRENCH_PARAMETERS.key, WRENCH_IDENTIFY.key, WRENCH_TARE.key))
 NESTED = b"\x81\xa3set\x81\xa6period" + b"\x91" * 1015 + b"\x01"

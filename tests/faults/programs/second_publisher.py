@@ -6,10 +6,10 @@ import secrets
 import signal
 import time
 
-from shared.bus_zenoh import ZenohBus
-from shared.codec import encode
 from shared.messages import FtSample, Header, TwistCommand
 from shared.topics import COMMAND_EE_TWIST, SENSOR_FT
+from shared.wire.codec import encode
+from shared.wire.zenoh import ZenohBus
 from tests.faults.programs.robot import LEVEL, PERIOD
 
 

@@ -9,9 +9,7 @@ import numpy as np
 
 from services.base.base import Base
 from services.base.parameters import BaseParameters
-from shared.client import Client
 from shared.clock import nanoseconds
-from shared.inlet import Received
 from shared.messages import BaseStatus, BaseTwistCommand, Enable, EndEffector, ExternalWrench, RobotStatus
 from shared.spatial import Array
 from shared.stack import Stack
@@ -25,6 +23,8 @@ from shared.topics import (
     WRENCH_EXTERNAL,
     Topic,
 )
+from shared.wire.client import Client
+from shared.wire.subscription import Received
 
 PERIOD = 0.01
 EXACT: dict[str, Any] = {"dead_band_force": 0.0, "dead_band_torque": 0.0}

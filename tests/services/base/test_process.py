@@ -7,8 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from shared.bus_zenoh import ZenohBus
-from shared.client import Client
 from shared.messages import ExternalWrench, Stop
 from shared.parameters import Refused
 from shared.topics import (
@@ -20,6 +18,8 @@ from shared.topics import (
     WRENCH_EXTERNAL,
     Topic,
 )
+from shared.wire.client import Client
+from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
 from tests.services.base.surroundings import Surroundings
 from tests.support.processes import Process

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from services.cli.watch import Watch
-from shared.bus_local import LocalBus, Scheduler
 from shared.messages import ControlStatus, Health, RobotStatus
-from shared.publisher import Publisher
 from shared.topics import CONTROL_STATUS, STATE_ROBOT, health_topic
+from shared.wire.local import LocalBus, Scheduler
+from shared.wire.publisher import Publisher
 
 HEALTH = Health("ok", "", 100.0, 100.0, 200.0, 0, {})
 ROBOT = RobotStatus("ready", "", "omni", True, 0.25, 0.5, (0.0, 0.0, 0.0))

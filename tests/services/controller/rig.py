@@ -8,9 +8,7 @@ import numpy as np
 
 from services.controller.controller import Controller
 from services.controller.parameters import ControllerParameters
-from shared.client import Client
 from shared.clock import nanoseconds
-from shared.inlet import Received
 from shared.messages import ControlTarget, EndEffector, ExternalWrench
 from shared.spatial import Array, quaternion, rotation_from_vector
 from shared.stack import Stack
@@ -23,6 +21,8 @@ from shared.topics import (
     WRENCH_EXTERNAL,
     Topic,
 )
+from shared.wire.client import Client
+from shared.wire.subscription import Received
 
 PERIOD = 0.01
 ERROR = np.array((0.2, 0.2, 0.2, 0.02, 0.02, 0.02))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shared.codec import decode_map, encode, encode_map
 from shared.messages import ControlTarget, Header
 from shared.parameters import Refused
 from shared.topics import CONTROL_TARGET
+from shared.wire.codec import decode_map, encode, encode_map
 from tests.services.controller.rig import ERROR, HOME, PERIOD, Rig
 
 

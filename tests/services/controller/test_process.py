@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from shared.bus_zenoh import ZenohBus
-from shared.client import Client
 from shared.clock import SteadyClock
 from shared.messages import ControlStatus, ControlTarget, EndEffector, ExternalWrench, Stop
 from shared.parameters import Refused
@@ -21,6 +19,8 @@ from shared.topics import (
     STOP,
     WRENCH_EXTERNAL,
 )
+from shared.wire.client import Client
+from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
 from tests.support.processes import Process
 from tests.support.stand_in import SPOILT_WRENCHES, StandIn, changed, silently

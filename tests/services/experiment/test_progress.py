@@ -13,9 +13,9 @@ from services.experiment.main import _Progress
 from services.experiment.recording import Event
 from shared import topics
 from shared.clock import SteadyClock
-from shared.codec import encode
-from shared.inlet import Inlet
 from shared.messages import Header, TaskStatus
+from shared.wire.codec import encode
+from shared.wire.subscription import Inlet
 
 COVERED = "no marker in sight: is it covered, or out of the picture?"
 

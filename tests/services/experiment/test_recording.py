@@ -10,10 +10,10 @@ import pytest
 
 from services.experiment.recording import Event, Recorder, Recording
 from shared import topics
-from shared.codec import decode_map, encode, encode_map
 from shared.messages import Header, Health, InputHealth, JointState
 from shared.schema.records import Record
 from shared.sim_messages import BagState, SimWorld
+from shared.wire.codec import decode_map, encode, encode_map
 
 
 def payload(message: Record, seq: int = 0) -> bytes:

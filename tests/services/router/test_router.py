@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from shared.bus_zenoh import ZenohBus
+from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
 from tests.support.ports import free_endpoint, free_port
 from tests.support.wait import eventually

@@ -17,10 +17,10 @@ from services.sim.sight import INTRINSICS, Look, Sight, pixels
 from services.sim.view import Renderer
 from shared import topics
 from shared.clock import nanoseconds
-from shared.codec import Rejected, decode
 from shared.messages import CameraImage, HeadCommand
 from shared.parameters import Refused
 from shared.spatial import quaternion, rotation_from_vector, rotation_matrix
+from shared.wire.codec import Rejected, decode
 from tests.services.sim.rig import Rig
 
 SIGHT = SimParameters().sight()

@@ -9,8 +9,8 @@ import pytest
 
 from services.sim.arm import DRIVE_LAG
 from shared import topics
-from shared.client import Client
 from shared.messages import Stop, TwistCommand
+from shared.wire.client import Client
 from tests.services.sim.rig import Rig
 
 DOWN = (0.0, 0.0, -0.1)

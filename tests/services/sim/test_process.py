@@ -8,10 +8,10 @@ from collections.abc import Iterator
 import pytest
 
 from shared import topics
-from shared.bus_zenoh import ZenohBus
-from shared.client import Client
 from shared.messages import TwistCommand
 from shared.parameters import Refused
+from shared.wire.client import Client
+from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
 from tests.support.processes import Process
 from tests.support.wait import eventually

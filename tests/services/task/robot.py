@@ -10,7 +10,6 @@ import numpy as np
 
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
-from shared.inlet import Received
 from shared.messages import (
     CameraImage,
     ControlStatus,
@@ -33,6 +32,7 @@ from shared.topics import (
     WRENCH_EXTERNAL,
     Topic,
 )
+from shared.wire.subscription import Received
 from tests.services.task.scene import Camera, Light, Print, message, render
 from tests.services.task.toy import MARKER, Toy
 

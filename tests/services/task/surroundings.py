@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 
 from services.task.geometry import Pose
-from shared.inlet import Received
 from shared.messages import ControlTarget, TaskStatus
 from shared.parameters import Refused
 from shared.topics import CONTROL_TARGET, SENSOR_CAMERA, TASK_COMMAND, TASK_STATUS
+from shared.wire.subscription import Received
 from tests.services.task.robot import TICK, Robot
 from tests.support.stand_in import StandIn
 from tests.support.wait import eventually

@@ -10,8 +10,8 @@ from services.task.geometry import Pose
 from services.task.outbox import Outbox
 from services.task.parameters import TaskParameters
 from services.task.states import Decision, Grip, State
-from shared.inlet import HANDOVER_LIMIT
 from shared.topics import COMMAND_GRIPPER, CONTROL_TARGET
+from shared.wire.subscription import HANDOVER_LIMIT
 
 DECISION = Decision("", Pose(np.zeros(3), np.eye(3)), gripper=Grip(0.0, 16.0))
 

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from shared.clock import SteadyClock
-from shared.inlet import Received
 from shared.messages import ExternalWrench
 from shared.parameters import Refused
 from shared.topics import SENSOR_FT, WRENCH_EXTERNAL, WRENCH_TARE
+from shared.wire.subscription import Received
 from tests.conftest import Router, StartProcess
 from tests.services.wrench.sensor import LEVEL, Sensor
 from tests.support.ports import free_endpoint

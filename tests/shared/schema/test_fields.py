@@ -8,9 +8,9 @@ import msgpack
 import numpy as np
 import pytest
 
-from shared.codec import decode
 from shared.messages import FtSample, Header, JointState, Stop, TaskStatus, TwistCommand
 from shared.schema.fields import Boolean, Integer, InvalidField
+from shared.wire.codec import decode
 from tests.shared.samples import HEADER, SAMPLE, rejection
 
 

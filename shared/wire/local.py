@@ -6,8 +6,8 @@ import heapq
 from collections.abc import Callable
 from functools import partial
 
-from shared.bus import Leave, NoReply, OnPayload, OnRequest, Work
 from shared.clock import nanoseconds
+from shared.wire.bus import Leave, NoReply, OnPayload, OnRequest, Work
 
 
 class SimulatedClock:

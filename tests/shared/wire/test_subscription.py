@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shared.codec import MAP_CAP
 from shared.faults import FaultKind
-from shared.inlet import HANDOVER_LIMIT, Inlet
 from shared.messages import LONGEST_TTL, Header, Stop, TwistCommand
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, STOP, WRENCH_EXTERNAL
+from shared.wire.codec import MAP_CAP
+from shared.wire.subscription import HANDOVER_LIMIT, Inlet
 from tests.shared.rig import DECLARED_DELAY, ZERO, Feed, ManualClock, Publisher, ft_sample, target, wrench
 
 

@@ -12,7 +12,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from shared.codec import MAP_CAP, Payload, Rejected, decode, decode_map, encode, encode_map
 from shared.messages import (
     BaseTwistCommand,
     ControlTarget,
@@ -25,6 +24,7 @@ from shared.messages import (
 from shared.schema.fields import InvalidField, Kind, Number, Vector
 from shared.schema.records import MapOf, Record, RecordOf
 from shared.sim_messages import BagState
+from shared.wire.codec import MAP_CAP, Payload, Rejected, decode, decode_map, encode, encode_map
 from tests.shared.samples import SAMPLE, rejection
 from tests.shared.strategies import MESSAGES, any_plain, payload_map
 

@@ -10,11 +10,11 @@ from typing import Generic, TypeVar
 
 from shared import faults
 from shared.clock import Clock, nanoseconds, seconds
-from shared.codec import Rejected, decode
 from shared.faults import Fault
 from shared.messages import LONGEST_TTL, Header
 from shared.schema.records import Record
 from shared.topics import ANYBODY, Topic
+from shared.wire.codec import Rejected, decode
 
 M = TypeVar("M", bound=Record)
 

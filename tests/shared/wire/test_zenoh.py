@@ -8,9 +8,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from shared.bus import NoReply, Reply
-from shared.bus_zenoh import BusError, ZenohBus
-from shared.codec import MAP_CAP
+from shared.wire.bus import NoReply, Reply
+from shared.wire.codec import MAP_CAP
+from shared.wire.zenoh import BusError, ZenohBus
 from tests.conftest import Router, StartProcess
 from tests.support.ports import free_endpoint
 from tests.support.wait import eventually, throughout

@@ -5,12 +5,12 @@ from __future__ import annotations
 import secrets
 import threading
 
-from shared.bus import Bus
 from shared.clock import Clock
-from shared.codec import Payload
 from shared.messages import Header
 from shared.schema.records import Record
 from shared.topics import Topic
+from shared.wire.bus import Bus
+from shared.wire.codec import Payload
 
 
 class Publisher:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from shared.bus import Bus
 from shared.clock import Clock, SteadyClock
-from shared.codec import Rejected, decode_map, encode_map
-from shared.inlet import Inlet, Received
 from shared.parameters import Refused
-from shared.publisher import Publisher
 from shared.schema.records import Record
 from shared.topics import Query, Topic
+from shared.wire.bus import Bus
+from shared.wire.codec import Rejected, decode_map, encode_map
+from shared.wire.publisher import Publisher
+from shared.wire.subscription import Inlet, Received
 
 M = TypeVar("M", bound=Record)
 

@@ -1,0 +1,1 @@
+"""How messages travel: buses, payloads, and both ends of a topic."""
