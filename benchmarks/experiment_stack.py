@@ -25,9 +25,9 @@ from services.task.task import Task
 from services.wrench.parameters import WrenchParameters
 from services.wrench.wrench import Wrench
 from shared.clock import Clock, seconds
-from shared.runner import Runner
+from shared.loop.runner import Runner
+from shared.loop.stack import Stack
 from shared.service import Service
-from shared.stack import Stack
 from shared.wire.bus import Bus
 from shared.wire.codec import decode_map, encode_map
 

@@ -6,7 +6,7 @@ import threading
 import time
 
 from shared.clock import SteadyClock, seconds
-from shared.runner import Runner
+from shared.loop.runner import Runner
 from shared.service import Inputs, Output
 from tests.support.spoilt_bus import SpoiltBus
 from tests.support.stub_robot import StubParameters, StubRobot

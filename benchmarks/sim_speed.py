@@ -9,8 +9,8 @@ from services.sim.parameters import SimParameters
 from services.sim.simulator import Simulator
 from shared import topics
 from shared.clock import nanoseconds
+from shared.loop.stack import Stack
 from shared.messages import TwistCommand
-from shared.stack import Stack
 
 COMMAND = "python -m benchmarks sim_speed"
 PERIOD = 0.01

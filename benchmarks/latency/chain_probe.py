@@ -13,8 +13,8 @@ import numpy as np
 
 from benchmarks.latency.pacing import printed
 from shared.clock import SteadyClock, seconds
+from shared.loop.runner import Runner
 from shared.messages import ControlTarget
-from shared.runner import Runner
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, health_topic
 from shared.wire.bus import OnPayload, Work
 from shared.wire.client import Client

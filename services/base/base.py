@@ -12,7 +12,7 @@ from services.base.admittance import REST, Admittance, SpeedLimits
 from services.base.parameters import BaseParameters
 from services.base.planar_wrench import Planar, about_base, beyond, error_about_base
 from shared.faults import SHUTDOWN, Fault
-from shared.halt import Halt
+from shared.loop.halt import Halt
 from shared.messages import BaseStatus, BaseTwistCommand, RobotStatus
 from shared.parameters import Parameters, Refused
 from shared.service import Inputs, Output, Wiring

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from services.base.base import Base
 from services.base.parameters import BaseParameters
-from shared.process import run
+from shared.loop.process import run
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

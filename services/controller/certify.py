@@ -10,7 +10,7 @@ import numpy as np
 
 from services.controller.certificate import MOVING_FACTOR, Certificate, certificates, response, stiffness
 from services.controller.parameters import ControllerParameters
-from shared.config import Misconfigured, OneLineParser, complain, service_parameters, service_parser
+from shared.loop.config import Misconfigured, OneLineParser, complain, service_parameters, service_parser
 from shared.spatial import Array, rotation_matrix
 
 _UNITS = (("mm/s", "N"), ("mrad/s", "Nm"))

@@ -13,7 +13,7 @@ from services.controller.laws import LawInput, LawOutput, make_law
 from services.controller.parameters import ControllerParameters
 from services.controller.qp import Timer, no_timer
 from shared.faults import Fault
-from shared.halt import Halt
+from shared.loop.halt import Halt
 from shared.messages import ControlStatus, ControlTarget, EndEffector, ExternalWrench, TwistCommand
 from shared.parameters import Parameters, Refused
 from shared.service import Inputs, Output, Wiring

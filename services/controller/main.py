@@ -9,7 +9,7 @@ import numpy as np
 from services.controller.controller import Controller
 from services.controller.parameters import ControllerParameters
 from shared.clock import SteadyClock
-from shared.process import run
+from shared.loop.process import run
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,5 +1,5 @@
 """``python -m services.experiment``."""
 
-from shared.entry import enter
+from shared.loop.entry import enter
 
 enter("services.experiment.main")

@@ -22,10 +22,10 @@ from services.experiment.play import Play
 from services.experiment.recording import RECORDING, Recording
 from shared import topics
 from shared.clock import SteadyClock, seconds
-from shared.config import Misconfigured, OneLineParser, complain, robot_name, service_parser
+from shared.loop.config import Misconfigured, OneLineParser, complain, robot_name, service_parser
+from shared.loop.process import StopRequest
+from shared.loop.runner import Runner
 from shared.parameters import Refused
-from shared.process import StopRequest
-from shared.runner import Runner
 from shared.wire.bus import Bus, NoReply
 from shared.wire.client import Client
 from shared.wire.subscription import Inlet

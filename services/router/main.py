@@ -7,8 +7,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from shared.config import Misconfigured, OneLineParser, complain
-from shared.process import StopRequest
+from shared.loop.config import Misconfigured, OneLineParser, complain
+from shared.loop.process import StopRequest
 from shared.wire.zenoh import DEFAULT_ENDPOINT, BusError, open_router
 
 NAME = "router"

@@ -23,7 +23,7 @@ from services.sim.kinematics import CARRY_HOME
 from services.sim.panel import CLEARED, Panel
 from services.sim.parameters import SimParameters
 from services.sim.sight import Look, Sight
-from shared.config import Misconfigured
+from shared.loop.config import Misconfigured
 from shared.parameters import Refused
 from shared.spatial import Array, rotation_from_vector, rotation_matrix
 

@@ -20,7 +20,7 @@ from services.sim import carry_film, load_film
 from services.sim.canvas import Picture
 from services.sim.carry_recording import CarryRun
 from services.sim.load_film import LoadRun
-from shared.config import Misconfigured, OneLineParser, complain
+from shared.loop.config import Misconfigured, OneLineParser, complain
 
 STRIP = "strip.png"
 

@@ -15,7 +15,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from services.sim.canvas import Picture
 from services.sim.load_scene import Scene
-from shared.config import Misconfigured
+from shared.loop.config import Misconfigured
 from shared.spatial import Array
 
 WIDTH, HEIGHT = 640, 480

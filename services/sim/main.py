@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from services.sim.parameters import SimParameters
-from shared.process import run
+from shared.loop.process import run
 
 if TYPE_CHECKING:
     from services.sim.simulator import Simulator

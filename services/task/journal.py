@@ -16,7 +16,7 @@ from typing import Any
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
 from services.task.states import Seen, State
-from shared.storage import write_whole
+from shared.loop.files import write_whole
 
 _VERSION = 2
 _BOOT_ID = Path("/proc/sys/kernel/random/boot_id")

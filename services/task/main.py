@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from services.task.parameters import TaskParameters
 from services.task.task import Task
 from shared.clock import SteadyClock, seconds
-from shared.config import settings
-from shared.process import run
-from shared.storage import default_folder
+from shared.loop.config import settings
+from shared.loop.files import default_folder
+from shared.loop.process import run
 
 NAME = "task"
 

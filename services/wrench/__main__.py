@@ -1,5 +1,5 @@
 """``python -m services.wrench``."""
 
-from shared.entry import enter
+from shared.loop.entry import enter
 
 enter("services.wrench.main")

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from services.wrench.parameters import WrenchParameters
 from services.wrench.wrench import Wrench
-from shared.process import run
-from shared.storage import default_folder
+from shared.loop.files import default_folder
+from shared.loop.process import run
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

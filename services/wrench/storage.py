@@ -17,8 +17,8 @@ import numpy as np
 
 from services.wrench.compensation import Compensation
 from services.wrench.identification import Identified
+from shared.loop.files import write_whole
 from shared.parameters import Refused
-from shared.storage import write_whole
 
 _ENTRIES = 8
 

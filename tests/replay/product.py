@@ -15,9 +15,9 @@ from services.task.parameters import TaskParameters
 from services.task.task import Task
 from services.wrench.parameters import WrenchParameters
 from services.wrench.wrench import Wrench
-from shared.runner import Runner
+from shared.loop.runner import Runner
+from shared.loop.stack import Stack
 from shared.service import Service
-from shared.stack import Stack
 
 LATENCY = 0.0005  # [s] of every message, about what the router takes
 CODE = Path(next(iter(shared.__path__))).resolve().parent

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shared.runner import Runner
+from shared.loop.runner import Runner
 from shared.topics import STATE_EE, WRENCH_EXTERNAL
 from shared.wire.local import LocalBus, Scheduler
 from tests.shared.rig import ManualClock, Publisher, Recorder, tool, wrench

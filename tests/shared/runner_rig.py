@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from shared.faults import FaultKind
+from shared.loop.stack import Stack
 from shared.messages import TwistCommand
 from shared.schema.records import Record
-from shared.stack import Stack
 from shared.topics import COMMAND_EE_TWIST, STATE_EE, WRENCH_EXTERNAL, Topic
 from tests.shared.rig import Recorder, Source, speed, tool, wrench
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from shared.process import Loop, StopRequest
+from shared.loop.process import Loop, StopRequest
 from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router
 from tests.shared.busy_loop import BusyLoop

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from shared.faults import FaultKind
+from shared.loop.runner import LONGEST_DT
+from shared.loop.timing import LoopTiming
 from shared.messages import Header, TwistCommand
-from shared.runner import LONGEST_DT
-from shared.timing import LoopTiming
 from shared.topics import COMMAND_EE_TWIST, WRENCH_EXTERNAL
 from shared.wire.codec import decode
 from tests.shared.busy_loop import BusyLoop

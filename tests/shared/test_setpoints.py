@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from shared.loop.stack import Stack
 from shared.messages import GripperCommand, HeadCommand, Stop
 from shared.schema.records import Record
 from shared.service import Inputs
 from shared.setpoints import OLDEST
-from shared.stack import Stack
 from shared.topics import COMMAND_GRIPPER, COMMAND_HEAD, STATE_ROBOT, STOP, Topic
 from tests.shared.rig import Publisher
 from tests.shared.robot_rig import Process

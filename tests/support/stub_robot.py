@@ -16,9 +16,9 @@ from shared import topics
 from shared.base_gate import BaseLimits
 from shared.faults import Fault
 from shared.limits import GateLimits
+from shared.loop.process import run
 from shared.messages import BaseState, EndEffector, FtSample, GripperState, JointState
 from shared.parameters import Parameters, Refused, Vector3, Vector6, parameter
-from shared.process import run
 from shared.robot_side import RobotSide
 from shared.service import Inputs, Output, Wiring
 from shared.spatial import Array, quaternion, rotation_from_vector, wrench_about

@@ -10,8 +10,8 @@ from services.base.parameters import BaseParameters
 from services.wrench.parameters import WrenchParameters
 from services.wrench.wrench import Wrench
 from shared.clock import nanoseconds
+from shared.loop.stack import Stack
 from shared.messages import Enable, Stop
-from shared.stack import Stack
 from shared.topics import BASE_ENABLE, BASE_STATUS, STOP, WRENCH_EXTERNAL, WRENCH_TARE
 from tests.support.stub_robot import StubParameters, StubRobot
 

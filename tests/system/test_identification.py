@@ -11,9 +11,9 @@ from services.sim.parameters import SimParameters
 from services.sim.simulator import Simulator
 from services.wrench.parameters import WrenchParameters
 from services.wrench.wrench import Wrench
+from shared.loop.stack import Stack
 from shared.messages import ControlTarget, EndEffector
 from shared.spatial import quaternion_from_rpy
-from shared.stack import Stack
 from shared.topics import (
     CONTROL_TARGET,
     SIM_COMMAND,

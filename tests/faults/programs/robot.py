@@ -14,7 +14,7 @@ from typing import Any
 import msgpack
 
 from shared.clock import SteadyClock, seconds
-from shared.runner import Runner
+from shared.loop.runner import Runner
 from shared.topics import SENSOR_FT, STATE_EE
 from tests.support.spoilt_bus import Spoil, SpoiltBus, healthy
 from tests.support.stub_robot import StubParameters, StubRobot

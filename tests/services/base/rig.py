@@ -10,9 +10,9 @@ import numpy as np
 from services.base.base import Base
 from services.base.parameters import BaseParameters
 from shared.clock import nanoseconds
+from shared.loop.stack import Stack
 from shared.messages import BaseStatus, BaseTwistCommand, Enable, EndEffector, ExternalWrench, RobotStatus
 from shared.spatial import Array
-from shared.stack import Stack
 from shared.topics import (
     BASE_ENABLE,
     BASE_PARAMETERS,

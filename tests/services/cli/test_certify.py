@@ -9,7 +9,7 @@ import pytest
 
 from services.cli.certify import assignments
 from services.controller.parameters import ControllerParameters
-from shared.config import service_parameters
+from shared.loop.config import service_parameters
 from tests.conftest import Router, StartProcess
 from tests.services.cli.command import tandem
 from tests.support.wait import eventually

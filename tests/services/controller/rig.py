@@ -9,9 +9,9 @@ import numpy as np
 from services.controller.controller import Controller
 from services.controller.parameters import ControllerParameters
 from shared.clock import nanoseconds
+from shared.loop.stack import Stack
 from shared.messages import ControlTarget, EndEffector, ExternalWrench
 from shared.spatial import Array, quaternion, rotation_from_vector
-from shared.stack import Stack
 from shared.topics import (
     COMMAND_EE_TWIST,
     CONTROL_PARAMETERS,

@@ -10,8 +10,8 @@ from services.sim.parameters import SimParameters
 from services.sim.simulator import Simulator
 from shared import topics
 from shared.clock import nanoseconds
+from shared.loop.stack import Stack
 from shared.messages import BaseTwistCommand, GripperCommand, TwistCommand
-from shared.stack import Stack
 from shared.topics import Topic
 from shared.wire.subscription import Received
 

@@ -12,8 +12,8 @@ from services.sim.parameters import SimParameters
 from services.sim.simulator import Simulator
 from services.sim.view import Renderer
 from shared import topics
+from shared.loop.stack import Stack
 from shared.parameters import Refused
-from shared.stack import Stack
 from tests.services.sim.rig import Rig
 
 START = (0.5, -0.3, 1.0)

@@ -9,7 +9,7 @@ from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
 from services.task.task import Task
 from shared.clock import nanoseconds
-from shared.stack import Stack
+from shared.loop.stack import Stack
 from shared.topics import CONTROL_TARGET, SENSOR_CAMERA, TASK_COMMAND, health_topic
 from shared.wire.client import Client
 from tests.services.task.robot import TICK, Robot

@@ -10,9 +10,9 @@ import numpy as np
 from services.wrench.parameters import WrenchParameters
 from services.wrench.wrench import Wrench
 from shared.clock import nanoseconds
+from shared.loop.stack import Stack
 from shared.messages import ExternalWrench, FtSample
 from shared.spatial import Array
-from shared.stack import Stack
 from shared.topics import SENSOR_FT, WRENCH_EXTERNAL, WRENCH_IDENTIFY, Query
 from shared.wire.subscription import Received
 from tests.services.wrench.sensor import LEVEL, TILTED, Sensor

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from shared import faults
-from shared.halt import Halt
+from shared.loop.halt import Halt
 from shared.messages import Header, Stop
 from shared.service import Inputs, Reading
 from shared.topics import STOP, WRENCH_EXTERNAL

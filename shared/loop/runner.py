@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable, Iterable
 
 from shared import faults
-from shared.arming import REARM_AFTER, Arming
 from shared.clock import Clock, nanoseconds, seconds
 from shared.faults import Fault
-from shared.queries import QueryDesk
+from shared.loop.arming import REARM_AFTER, Arming
+from shared.loop.queries import QueryDesk
+from shared.loop.timing import HealthReporter, LoopTiming
 from shared.service import Inputs, Output, Reading, Service
-from shared.timing import HealthReporter, LoopTiming
 from shared.topics import Topic
 from shared.wire.bus import Bus, Leave, Work
 from shared.wire.publisher import Publisher

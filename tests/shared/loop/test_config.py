@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from shared.config import Misconfigured, complain, settings
-from shared.process import run
+from shared.loop.config import Misconfigured, complain, settings
+from shared.loop.process import run
 from shared.wire.zenoh import DEFAULT_ENDPOINT
 from tests.shared.rig import Recorder, RecorderParameters
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from shared.clock import nanoseconds
-from shared.runner import Runner
+from shared.loop.runner import Runner
 from shared.service import Service
 from shared.wire.client import Client
 from shared.wire.local import LocalBus, Scheduler

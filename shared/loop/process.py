@@ -11,9 +11,9 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from shared.clock import SteadyClock, seconds
-from shared.config import Misconfigured, complain, settings
+from shared.loop.config import Misconfigured, complain, settings
+from shared.loop.runner import Runner
 from shared.parameters import Parameters, Refused
-from shared.runner import Runner
 from shared.service import Service
 from shared.wire.zenoh import BusError, ZenohBus
 

@@ -7,9 +7,9 @@ import itertools
 import pytest
 
 from shared.faults import FaultKind
-from shared.runner import LONGEST_DT
+from shared.loop.runner import LONGEST_DT
+from shared.loop.stack import Stack
 from shared.service import Reading
-from shared.stack import Stack
 from shared.topics import (
     COMMAND_EE_TWIST,
     CONTROL_TARGET,

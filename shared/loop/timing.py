@@ -13,7 +13,7 @@ from shared.messages import Health, InputHealth
 from shared.topics import HEALTH_RATE, health_topic
 
 if TYPE_CHECKING:
-    from shared.runner import Runner
+    from shared.loop.runner import Runner
 
 _WINDOW_NS = 1_000_000_000
 _FEWEST_STEPS = 20

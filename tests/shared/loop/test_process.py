@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from shared.process import StopRequest
+from shared.loop.process import StopRequest
 from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
 from tests.support.ports import free_endpoint

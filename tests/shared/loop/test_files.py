@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from shared.storage import default_folder, write_whole
+from shared.loop.files import default_folder, write_whole
 
 
 def test_written_whole_in_a_new_folder(tmp_path: Path) -> None:

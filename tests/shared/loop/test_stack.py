@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgpack
 import pytest
 
-from shared.stack import Stack
+from shared.loop.stack import Stack
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, STATE_EE, WRENCH_EXTERNAL
 from shared.wire.bus import NoReply
 from shared.wire.local import LocalBus, Scheduler

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from shared import faults
-from shared.arming import REARM_AFTER, Arming
 from shared.clock import nanoseconds
 from shared.faults import FaultKind
+from shared.loop.arming import REARM_AFTER, Arming
 
 STARTUP = 0.5
 BROKEN = faults.silent("sensor/ft", "robot", 1.0, 0.03)

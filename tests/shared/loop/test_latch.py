@@ -6,7 +6,7 @@ import pytest
 
 from shared import faults
 from shared.faults import Fault
-from shared.latch import SensorLatch
+from shared.loop.latch import SensorLatch
 from shared.topics import STATE_EE, WRENCH_EXTERNAL
 
 WRENCH = WRENCH_EXTERNAL.key

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from shared.faults import Fault
-from shared.latch import SensorLatch
+from shared.loop.latch import SensorLatch
 from shared.service import Inputs
 from shared.topics import STOP
 

@@ -1,0 +1,1 @@
+"""What turns a service into a process: the loop, its health, its configuration."""
