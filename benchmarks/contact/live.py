@@ -1,6 +1,6 @@
 """The contact world as a robot that speaks the contract in real time, behind the real gate.
 
-It publishes `sensor/ft`, `state/ee` and `state/robot`, takes `command/ee_twist` through ``shared.limits.Gate``, and
+It publishes `sensor/ft`, `state/ee` and `state/robot`, takes `command/ee_twist` through ``shared.robot.gate.Gate``, and
 plays the experiment's part too (`control/target`). It knows the true wrench, so that is what it judges, and it
 measures whether the declared times held.
 """
@@ -17,8 +17,8 @@ import numpy as np
 from benchmarks.contact.cases import Case
 from benchmarks.contact.robot import Robot
 from benchmarks.contact.world import World
-from shared.limits import Gate, GateLimits
 from shared.messages import ControlTarget, EndEffector, FtSample, RobotStatus, TwistCommand
+from shared.robot.gate import Gate, GateLimits
 from shared.spatial import Array, quaternion
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, STATE_EE, STATE_ROBOT, WRENCH_EXTERNAL
 from shared.wire.client import Client

@@ -13,7 +13,7 @@ import numpy as np
 
 from services.experiment.recording import Recording
 from shared import topics
-from shared.robot_side import HOLDING_AFTER
+from shared.robot.side import HOLDING_AFTER
 
 SETTLING = 0.4
 """Time [s] after a brake: the tool is back at its speed in a quarter of a second, and the load was within 0.6 N of its

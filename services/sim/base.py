@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from shared.base_gate import BaseLimits
 from shared.constants import GRAVITY
+from shared.robot.base_gate import BaseLimits
 
 LIMITS = {
     "differential": BaseLimits(1.0, 0.2, 0.0, 2.09, 1.0, 2.09),

@@ -24,10 +24,10 @@ from services.sim.state import JointSensors
 from services.sim.world import World
 from shared import topics
 from shared.faults import Fault
-from shared.limits import GateLimits
 from shared.messages import BaseState, FtSample, GripperState
 from shared.parameters import Parameters
-from shared.robot_side import RobotSide
+from shared.robot.gate import GateLimits
+from shared.robot.side import RobotSide
 from shared.service import Inputs, Output, Wiring
 from shared.sim_messages import BagState, HandState, PanelState, SimWorld
 from shared.spatial import quaternion

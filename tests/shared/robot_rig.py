@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from shared.base_gate import BaseLimits
-from shared.limits import GateLimits
 from shared.messages import Header, RobotStatus, TwistCommand
-from shared.robot_side import RobotSide
+from shared.robot.base_gate import BaseLimits
+from shared.robot.gate import GateLimits
+from shared.robot.side import RobotSide
 from shared.schema.records import Record
 from shared.service import Inputs, Reading
 from shared.topics import COMMAND_EE_TWIST, STATE_ROBOT, Topic

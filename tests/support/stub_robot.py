@@ -13,13 +13,13 @@ from typing import Any, Literal
 import numpy as np
 
 from shared import topics
-from shared.base_gate import BaseLimits
 from shared.faults import Fault
-from shared.limits import GateLimits
 from shared.loop.process import run
 from shared.messages import BaseState, EndEffector, FtSample, GripperState, JointState
 from shared.parameters import Parameters, Refused, Vector3, Vector6, parameter
-from shared.robot_side import RobotSide
+from shared.robot.base_gate import BaseLimits
+from shared.robot.gate import GateLimits
+from shared.robot.side import RobotSide
 from shared.service import Inputs, Output, Wiring
 from shared.spatial import Array, quaternion, rotation_from_vector, wrench_about
 from shared.topics import Query

@@ -6,7 +6,7 @@ import numpy as np
 
 from services.experiment.brakes import NO_COMMAND, SETTLING, Brake, brakes, undisturbed
 from services.experiment.recording import Recording
-from shared.robot_side import HOLDING_AFTER
+from shared.robot.side import HOLDING_AFTER
 
 TIME = np.arange(0.0, 5.0, 0.01)
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from shared.limits import SILENCE
 from shared.messages import BaseTwistCommand, Header, Stop, TwistCommand
-from shared.robot_side import HOLDING_AFTER
+from shared.robot.gate import SILENCE
+from shared.robot.side import HOLDING_AFTER
 from shared.service import Inputs, Reading
 from shared.topics import COMMAND_BASE_TWIST, COMMAND_EE_TWIST, STOP
 from tests.shared.robot_rig import FORWARDS, ZERO, Process

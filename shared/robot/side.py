@@ -6,12 +6,12 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from shared.base_gate import BaseGate, BaseLimits
-from shared.limits import Gate, GateLimits
 from shared.messages import BaseTwistCommand, GripperCommand, HeadCommand, RobotStatus, TwistCommand
+from shared.robot.base_gate import BaseGate, BaseLimits
+from shared.robot.gate import Gate, GateLimits
+from shared.robot.held_command import Ranges, Setpoint
 from shared.schema.records import Record
 from shared.service import Inputs, Output, Reading
-from shared.setpoints import Ranges, Setpoint
 from shared.spatial import Array
 from shared.topics import (
     COMMAND_BASE_TWIST,

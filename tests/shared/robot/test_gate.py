@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shared.limits import LONGEST_TTL, SILENCE, Gate, GateLimits
+from shared.robot.gate import LONGEST_TTL, SILENCE, Gate, GateLimits
 
 LIMITS = GateLimits(0.25, 0.5, 1.0, 2.0)
 DT = 0.002

@@ -6,9 +6,9 @@ import pytest
 
 from shared.loop.stack import Stack
 from shared.messages import GripperCommand, HeadCommand, Stop
+from shared.robot.held_command import OLDEST
 from shared.schema.records import Record
 from shared.service import Inputs
-from shared.setpoints import OLDEST
 from shared.topics import COMMAND_GRIPPER, COMMAND_HEAD, STATE_ROBOT, STOP, Topic
 from tests.shared.rig import Publisher
 from tests.shared.robot_rig import Process

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.base_gate import BaseGate, BaseLimits
+from shared.robot.base_gate import BaseGate, BaseLimits
 
 DT = 0.002
 DIFFERENTIAL = BaseLimits(1.0, 0.2, 0.0, 2.0, 1.0, 2.0)

@@ -1,4 +1,4 @@
-"""The gate of a mobile base: like that of the tool (``shared.limits``), but what it moves cannot stop at once.
+"""The gate of a mobile base: like that of the tool (``shared.robot.gate``), but what it moves cannot stop at once.
 
 A base weighs a hundred kilograms: its velocity changes at a limited rate, upwards and downwards alike, and silence or a
 stop means that it slows down along the path it is on.
@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shared.limits import SILENCE
 from shared.messages import LONGEST_TTL
+from shared.robot.gate import SILENCE
 from shared.spatial import Array
 
 _INSTANT = 1e-9

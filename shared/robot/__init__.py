@@ -1,0 +1,1 @@
+"""What every robot process needs, simulated or real: gate, numbers and description."""
