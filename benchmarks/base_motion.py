@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from services.base.parameters import BaseParameters
-from services.controller.contact import StiffnessBound
+from services.controller.bounds.stiffness_bound import StiffnessBound
 from services.controller.parameters import ControllerParameters
 from services.task.parameters import TaskParameters
 from shared.spatial import Array

@@ -14,7 +14,7 @@ import numpy as np
 import quadprog
 
 from benchmarks.solver_problems import Problem
-from services.controller.qp import UNBOUNDED
+from services.controller.laws.qp import UNBOUNDED
 from shared.spatial import Array
 
 Solve = Callable[[Problem], Array]

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import piqp
 
-from services.controller.laws import LawInput, make_law
+from services.controller.laws.choice import LawInput, make_law
+from services.controller.laws.qp import Qp
 from services.controller.parameters import ControllerParameters
-from services.controller.qp import Qp
 from shared.spatial import Array, rotation_from_vector
 
 PERIOD = 0.01

@@ -14,8 +14,8 @@ from benchmarks.contact.measure import OVER, Row
 from benchmarks.contact.report import Claim
 from benchmarks.contact.sampling import GROUPS
 from benchmarks.contact.simulate import Result, simulate
-from services.controller.caps import AXES
-from services.controller.certificate import certificates
+from services.controller.bounds.caps import AXES
+from services.controller.guarantee import certificates
 
 STRICT, ROUNDED = "certified", "certified-rounded"
 FORMS = {STRICT: "strict", ROUNDED: "rounded"}

@@ -7,9 +7,9 @@ from typing import Any
 
 from benchmarks.contact.adversary import YIELD_START
 from benchmarks.contact.cases import Case, Target
-from services.controller.box_laws import PaperLaw, StiffnessLaw
-from services.controller.certified import CertifiedLaw
-from services.controller.law import Law, LawInput
+from services.controller.laws.certified import CertifiedLaw
+from services.controller.laws.law import Law, LawInput
+from services.controller.laws.paper_and_spring import PaperLaw, StiffnessLaw
 from services.controller.parameters import ControllerParameters
 from shared.spatial import Array
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from services.controller.certificate import MOVING_FACTOR, Certificate, certificates, response, stiffness
+from services.controller.guarantee import MOVING_FACTOR, Certificate, certificates, response, stiffness
 from services.controller.parameters import ControllerParameters
 from shared.loop.config import Misconfigured, OneLineParser, complain, service_parameters, service_parser
 from shared.spatial import Array, rotation_matrix

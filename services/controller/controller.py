@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from services.controller.agreement import Agreement
-from services.controller.laws import LawInput, LawOutput, make_law
+from services.controller.laws.choice import LawInput, LawOutput, make_law
+from services.controller.laws.qp import Timer, no_timer
+from services.controller.limits_in_force import Agreement
 from services.controller.parameters import ControllerParameters
-from services.controller.qp import Timer, no_timer
 from shared.faults import Fault
 from shared.loop.halt import Halt
 from shared.messages import ControlStatus, ControlTarget, EndEffector, ExternalWrench, TwistCommand

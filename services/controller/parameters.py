@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from services.controller.zone import ContactZone
+from services.controller.bounds.contact_zone import ContactZone
 from shared.messages import LONGEST_TTL
 from shared.parameters import Parameters, Vector3, Vector6, check_range, parameter
 

@@ -16,7 +16,7 @@ from benchmarks.contact.robot import Robot
 from benchmarks.contact.sampling import GROUPS, draw
 from benchmarks.contact.simulate import _turning_points, simulate
 from benchmarks.contact.world import World
-from services.controller.contact import ContactZone, StiffnessBound
+from services.controller.bounds.stiffness_bound import ContactZone, StiffnessBound
 from shared.spatial import rotation_from_vector
 
 LIMIT = np.array((10.0, 10.0, 10.0, 0.5, 3.0, 3.0))

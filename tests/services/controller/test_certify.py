@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from services.controller.certificate import certificates
 from services.controller.certify import main
+from services.controller.guarantee import certificates
 from services.controller.parameters import ControllerParameters
 
 LIMIT = np.array((10.0, 10.0, 10.0, 0.5, 3.0, 3.0))

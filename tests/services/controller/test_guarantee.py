@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from services.controller.laws import Law, make_law
+from services.controller.laws.choice import Law, make_law
 from shared.spatial import rotation_from_vector
 from tests.services.controller.contacts import agile, state
 

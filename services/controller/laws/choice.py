@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from services.controller.box_laws import PaperLaw, StiffnessLaw
-from services.controller.certified import CertifiedLaw
-from services.controller.law import Law, LawInput, LawOutput
+from services.controller.laws.certified import CertifiedLaw
+from services.controller.laws.law import Law, LawInput, LawOutput
+from services.controller.laws.paper_and_spring import PaperLaw, StiffnessLaw
+from services.controller.laws.qp import Timer, no_timer
 from services.controller.parameters import ControllerParameters
-from services.controller.qp import Timer, no_timer
 
 __all__ = ["LAWS", "CertifiedLaw", "Law", "LawInput", "LawOutput", "PaperLaw", "StiffnessLaw", "make_law"]
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from services.controller.yield_input import Vector, YieldInput
+from services.controller.bounds.yield_input import Vector, YieldInput
 from shared.spatial import Array
 
 FIRST_SHARE = 0.5

@@ -9,7 +9,7 @@ import numpy as np
 import piqp
 import pytest
 
-from services.controller.qp import Qp, QpFailure
+from services.controller.laws.qp import Qp, QpFailure
 from shared.spatial import Array
 
 

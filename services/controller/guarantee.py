@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.controller.caps import AXES, Caps
-from services.controller.contact import TURN_QUANTUM, StiffnessBound
+from services.controller.bounds.caps import AXES, Caps
+from services.controller.bounds.stiffness_bound import TURN_QUANTUM, StiffnessBound
 from services.controller.parameters import ControllerParameters
 from shared.spatial import Array
 

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.controller.softness import FIRST_SHARE, Softness
-from services.controller.yield_input import YieldInput
+from services.controller.bounds.contact_softness import FIRST_SHARE, Softness
+from services.controller.bounds.yield_input import YieldInput
 
 D, DT = 0.05, 0.005
 SCALE = np.sqrt((800.0, 800.0, 800.0, 90.0, 90.0, 90.0))

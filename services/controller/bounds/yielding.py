@@ -11,9 +11,9 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
-from services.controller.contact import StiffnessBound
-from services.controller.softness import Softness
-from services.controller.yield_input import Vector, YieldInput
+from services.controller.bounds.contact_softness import Softness
+from services.controller.bounds.stiffness_bound import StiffnessBound
+from services.controller.bounds.yield_input import Vector, YieldInput
 
 _STOPPED = 1e-7
 """An integral slower than this [m/s, rad/s] has ended."""

@@ -14,14 +14,14 @@ import operator
 
 import numpy as np
 
-from services.controller.caps import Caps
-from services.controller.contact import StiffnessBound
-from services.controller.law import Law, LawInput, LawOutput
+from services.controller.bounds.caps import Caps
+from services.controller.bounds.stiffness_bound import StiffnessBound
+from services.controller.bounds.travel_in_flight import SENSES
+from services.controller.bounds.yield_input import YieldInput
+from services.controller.bounds.yielding import RoundedYield, StrictYield, Yielding, scaled_into
+from services.controller.laws.law import Law, LawInput, LawOutput
+from services.controller.laws.qp import CLOSED, UNBOUNDED, Qp, QpFailure, Timer, no_timer
 from services.controller.parameters import ControllerParameters
-from services.controller.qp import CLOSED, UNBOUNDED, Qp, QpFailure, Timer, no_timer
-from services.controller.travel import SENSES
-from services.controller.yield_input import YieldInput
-from services.controller.yielding import RoundedYield, StrictYield, Yielding, scaled_into
 from shared.spatial import Array
 
 _GAMMA = 12

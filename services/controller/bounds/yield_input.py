@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from services.controller.caps import Caps
-from services.controller.contact import StiffnessBound
+from services.controller.bounds.caps import Caps
+from services.controller.bounds.stiffness_bound import StiffnessBound
 from shared.spatial import Array
 
 Vector = Sequence[float]

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from services.controller.contact import TURN_QUANTUM, ContactZone, StiffnessBound, widened
+from services.controller.bounds.stiffness_bound import TURN_QUANTUM, ContactZone, StiffnessBound, widened
 from shared.spatial import rotation_from_vector
 from tests.services.controller.contacts import jacobian, tangent, unit
 

@@ -10,11 +10,11 @@ import piqp
 import pytest
 from scipy.spatial.transform import Rotation
 
-from services.controller.certificate import certificates
-from services.controller.laws import CertifiedLaw, LawInput, make_law
-from services.controller.qp import QpFailure
-from services.controller.yield_input import YieldInput
-from services.controller.yielding import RoundedYield
+from services.controller.bounds.yield_input import YieldInput
+from services.controller.bounds.yielding import RoundedYield
+from services.controller.guarantee import certificates
+from services.controller.laws.choice import CertifiedLaw, LawInput, make_law
+from services.controller.laws.qp import QpFailure
 from shared.spatial import Array
 from tests.services.controller import closed_form
 from tests.services.controller.contacts import ERROR, LIMIT, agile, state, unit

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from services.controller.zone import ContactZone
+from services.controller.bounds.contact_zone import ContactZone
 from shared.spatial import Array
 
 TURN_QUANTUM = 0.006

@@ -6,9 +6,9 @@ from abc import abstractmethod
 
 import numpy as np
 
-from services.controller.law import Law, LawInput, LawOutput
+from services.controller.laws.law import Law, LawInput, LawOutput
+from services.controller.laws.qp import CLOSED, UNBOUNDED, Qp, QpFailure, Timer, no_timer
 from services.controller.parameters import ControllerParameters
-from services.controller.qp import CLOSED, UNBOUNDED, Qp, QpFailure, Timer, no_timer
 from shared.spatial import Array
 
 _GAMMA = 6

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.controller.caps import Caps
+from services.controller.bounds.caps import Caps
 from tests.services.controller.contacts import ERROR, LIMIT
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from services.controller.travel import Travel
+from services.controller.bounds.travel_in_flight import Travel
 
 STEP = 2e-4
 

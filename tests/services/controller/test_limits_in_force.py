@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.controller.agreement import Agreement
+from services.controller.limits_in_force import Agreement
 
 HIGH, LOW = np.full(6, 20.0), np.full(6, 5.0)
 NONE, SOME = np.zeros(6), np.array((0.0, 0.0, -7.0, 0.0, 0.0, 0.0))

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from services.controller.laws.speed_box import SpeedBox, rotated_limits
 from services.controller.parameters import ControllerParameters
-from services.controller.speed import SpeedBox, rotated_limits
 from shared.spatial import rotation_from_vector
 
 vectors = st.tuples(*(st.floats(-3, 3),) * 3)

@@ -7,10 +7,10 @@ import itertools
 import numpy as np
 import pytest
 
-from services.controller.caps import Caps
-from services.controller.contact import ContactZone, StiffnessBound
-from services.controller.yield_input import YieldInput
-from services.controller.yielding import (
+from services.controller.bounds.caps import Caps
+from services.controller.bounds.stiffness_bound import ContactZone, StiffnessBound
+from services.controller.bounds.yield_input import YieldInput
+from services.controller.bounds.yielding import (
     RoundedYield,
     StrictYield,
     Yielding,

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from services.controller.laws import PaperLaw, StiffnessLaw, make_law
+from services.controller.laws.choice import PaperLaw, StiffnessLaw, make_law
 from shared.spatial import pose_error
 from tests.services.controller import closed_form
 from tests.services.controller.contacts import LIMIT, agile, state

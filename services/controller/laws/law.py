@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from services.controller.bounds.travel_in_flight import Travel
+from services.controller.laws.qp import TOLERANCE, Qp, QpFailure, Timer, no_timer
+from services.controller.laws.speed_box import SpeedBox
 from services.controller.parameters import ControllerParameters
-from services.controller.qp import TOLERANCE, Qp, QpFailure, Timer, no_timer
-from services.controller.speed import SpeedBox
-from services.controller.travel import Travel
 from shared.spatial import Array, pose_error
 
 _ABSURD = 1e150

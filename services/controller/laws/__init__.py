@@ -1,0 +1,1 @@
+"""The control laws, and the quadratic program that they share."""
