@@ -6,9 +6,9 @@ import numpy as np
 
 from services.task.faults import Kind, Present
 from services.task.geometry import Pose
-from services.task.marker import MarkerTracker
 from services.task.parameters import TaskParameters
 from services.task.states import Seen
+from services.task.vision.marker_tracker import MarkerTracker
 from shared.clock import seconds
 from shared.messages import Header
 from shared.service import Inputs, Reading

@@ -6,7 +6,7 @@ import math
 from typing import Literal
 
 from services.task.geometry import QUARTER
-from services.task.marker import MarkerLimits
+from services.task.vision.marker_tracker import MarkerLimits
 from shared.constants import GRAVITY
 from shared.parameters import Parameters, Refused, Vector3, parameter
 

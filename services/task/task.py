@@ -6,18 +6,18 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from services.task.detection import BadImage, Detector
 from services.task.faults import Present
 from services.task.geometry import Pose
 from services.task.grasp import SLIPPED_AFTER
 from services.task.journal import Journal, boot_id, judge
 from services.task.machine import Machine
-from services.task.marker import MarkerTracker
 from services.task.observe import Observer
 from services.task.outbox import Outbox
 from services.task.parameters import TaskParameters
 from services.task.states import Decision, Seen, State
 from services.task.timers import Held
+from services.task.vision.detection import BadImage, Detector
+from services.task.vision.marker_tracker import MarkerTracker
 from shared.clock import seconds
 from shared.faults import Fault, FaultKind
 from shared.messages import Enable

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
-from services.task.detection import DICTIONARY
 from services.task.geometry import Pose
+from services.task.vision.detection import DICTIONARY
 from shared.messages import CameraImage
 from shared.spatial import Array
 

@@ -8,8 +8,8 @@ import pytest
 from services.sim.gripper import RANGES
 from services.sim.marker import ROTATION
 from services.sim.parameters import SimParameters
-from services.task.detection import Detector
 from services.task.parameters import TaskParameters
+from services.task.vision.detection import Detector
 from shared import topics
 from shared.messages import GripperCommand, HeadCommand
 from tests.services.sim.rig import Rig

@@ -11,8 +11,8 @@ import pytest
 
 from services.base.base import Base
 from services.base.parameters import BaseParameters
-from services.task import detection
 from services.task.geometry import Pose
+from services.task.vision import detection
 from shared.messages import Stop
 from shared.parameters import Refused
 from shared.topics import (

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from services.task.geometry import Pose
-from services.task.marker import Candidate, MarkerTracker, Solution
 from services.task.parameters import TaskParameters
+from services.task.vision.marker_tracker import Candidate, MarkerTracker, Solution
 from shared.spatial import rotation_from_vector
 
 LIMITS = TaskParameters().marker_limits()

@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from services.task import jpeg
-from services.task.edges import MODULES, refined
 from services.task.geometry import Pose
-from services.task.marker import Candidate, Solution
+from services.task.vision import jpeg
+from services.task.vision.marker_tracker import Candidate, Solution
+from services.task.vision.subpixel_edges import MODULES, refined
 from shared.messages import CameraImage
 from shared.spatial import Array, rotation_from_vector, rotation_vector
 

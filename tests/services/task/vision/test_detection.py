@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.task import jpeg
-from services.task.detection import BadImage, Detector
 from services.task.geometry import Pose
-from services.task.marker import MarkerLimits, MarkerTracker
 from services.task.parameters import TaskParameters
+from services.task.vision import jpeg
+from services.task.vision.detection import BadImage, Detector
+from services.task.vision.marker_tracker import MarkerLimits, MarkerTracker
 from tests.services.task.scene import HEIGHT, WIDTH, Camera, Light, Print, message, render, tilted
 
 NUMBER = 7
