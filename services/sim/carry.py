@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from services.sim.grip import Grip, about_tool, locate
-from services.sim.gripper import Gripper
 from services.sim.hands import Hands
 from services.sim.panel import Panel, PanelSpec
 from services.sim.person import Person
+from services.sim.robot.gripper import Gripper
 from shared.spatial import Array, cross
 
 

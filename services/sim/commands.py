@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from services.sim import bag, script
-from services.sim.sensor_faults import KINDS, SensorLine
+from services.sim.robot.sensor_line import KINDS, SensorLine
 from services.sim.world import World
 from shared.parameters import Refused
 from shared.spatial import Array

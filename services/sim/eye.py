@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from services.sim.camera import Camera
-from services.sim.sensor_faults import SensorLine
+from services.sim.robot.sensor_line import SensorLine
 from services.sim.sights import Sights
 from shared.messages import CameraImage
 from shared.service import Output

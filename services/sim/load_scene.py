@@ -9,7 +9,7 @@ import pybullet
 
 from services.sim.bag import BAG_LENGTH, ROPE_LENGTH
 from services.sim.canvas import Canvas, Colour, Matrix, Picture, pixel
-from services.sim.kinematics import HOME
+from services.sim.robot.kinematics import HOME
 
 CAMERA = (2.35, -2.25, 1.35)
 LOOKS_AT = (0.16, 0.02, 0.66)

@@ -6,10 +6,10 @@ import numpy as np
 
 from services.sim import marker
 from services.sim.carry import Carry
-from services.sim.head import JOINTS
-from services.sim.kinematics import CHAIN
+from services.sim.robot.head import JOINTS
+from services.sim.robot.kinematics import CHAIN
+from services.sim.robot.state import FINGERS
 from services.sim.sight import HEIGHT, WIDTH, Look, Sight, pixels
-from services.sim.state import FINGERS
 from services.sim.world import World
 from shared.spatial import Array, rotation_from_vector
 

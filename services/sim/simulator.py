@@ -7,20 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from services.sim.base import LIMITS
 from services.sim.camera import Camera, Darkroom, OwnDarkroom
 from services.sim.carry import Carry
 from services.sim.commands import Commands
 from services.sim.eye import Eye
-from services.sim.ft_sensor import ForceTorqueSensor
-from services.sim.gripper import RANGES as GRIPPER_RANGES
-from services.sim.kinematics import CARRY_HOME, FULL_HOME, HOME
 from services.sim.pace import Pace, Ticks
 from services.sim.parameters import SimParameters
-from services.sim.sensor_faults import SensorLine
+from services.sim.robot.base import LIMITS
+from services.sim.robot.ft_sensor import ForceTorqueSensor
+from services.sim.robot.gripper import RANGES as GRIPPER_RANGES
+from services.sim.robot.kinematics import CARRY_HOME, FULL_HOME, HOME
+from services.sim.robot.sensor_line import SensorLine
+from services.sim.robot.state import JointSensors
 from services.sim.sight import Sight
 from services.sim.sights import Sights
-from services.sim.state import JointSensors
 from services.sim.world import World
 from shared import topics
 from shared.faults import Fault

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.sim.arm import Arm
 from services.sim.bag import Bag
-from services.sim.base import MobileBase, Vector
 from services.sim.carry import Carry, Tool
-from services.sim.gripper import Gripper
-from services.sim.head import Head
+from services.sim.robot.arm import Arm
+from services.sim.robot.base import MobileBase, Vector
+from services.sim.robot.gripper import Gripper
+from services.sim.robot.head import Head
 from shared.spatial import Array, rotation_from_vector
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from services.sim.kinematics import CARRY_HOME
+from services.sim.robot.kinematics import CARRY_HOME
 from shared.spatial import quaternion_from_vector
 
 ROWS, SECONDS = 41, 4.0

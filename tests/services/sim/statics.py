@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from services.sim.kinematics import CHAIN, SENSOR_FRAME, TOOL_FRAME, full_model, home, joint_names
+from services.sim.robot.kinematics import CHAIN, SENSOR_FRAME, TOOL_FRAME, full_model, home, joint_names
 from shared.constants import GRAVITY
 
 

@@ -10,9 +10,9 @@ import pytest
 from PIL import Image
 
 from services.sim import marker
-from services.sim.head import Head
-from services.sim.kinematics import CARRY_HOME
 from services.sim.parameters import SimParameters
+from services.sim.robot.head import Head
+from services.sim.robot.kinematics import CARRY_HOME
 from services.sim.sight import INTRINSICS, Look, Sight, pixels
 from services.sim.view import Renderer
 from shared import topics

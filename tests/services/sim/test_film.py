@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from services.sim.film import main
-from services.sim.kinematics import CHAIN, HOME
 from services.sim.load_film import HEIGHT, WIDTH
 from services.sim.load_scene import Scene
+from services.sim.robot.kinematics import CHAIN, HOME
 
 
 def recording(path: Path, **changes: object) -> Path:

@@ -7,7 +7,7 @@ import secrets
 import numpy as np
 import pytest
 
-from services.sim.arm import DRIVE_LAG
+from services.sim.robot.arm import DRIVE_LAG
 from shared import topics
 from shared.messages import Stop, TwistCommand
 from shared.wire.client import Client

@@ -7,9 +7,9 @@ import pytest
 
 from services.sim.carry import Carry, CarrySpec, Tool
 from services.sim.grip import PAD_WIDTH, mean_radius
-from services.sim.gripper import EFFORT, SPEED, TRAVEL, Gripper
-from services.sim.kinematics import CHAIN
 from services.sim.panel import Panel, PanelSpec
+from services.sim.robot.gripper import EFFORT, SPEED, TRAVEL, Gripper
+from services.sim.robot.kinematics import CHAIN
 from shared import topics
 from shared.constants import GRAVITY
 from shared.messages import GripperCommand

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.sim.ft_sensor import DITHER, RANGE, ForceTorqueSensor
 from services.sim.parameters import SimParameters
+from services.sim.robot.ft_sensor import DITHER, RANGE, ForceTorqueSensor
 from shared import topics
 from shared.parameters import Refused
 from tests.services.sim.rig import Rig

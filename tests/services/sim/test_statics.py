@@ -7,8 +7,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from services.sim.kinematics import Kinematics
-from services.sim.physics import Physics
+from services.sim.robot.kinematics import Kinematics
+from services.sim.robot.physics import Physics
 from shared.constants import GRAVITY
 from tests.services.sim.statics import statics
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.sim.gripper import EFFORT, Gripper
+from services.sim.robot.gripper import EFFORT, Gripper
 from shared import topics
 from shared.messages import GripperCommand, HeadCommand, Stop
 from tests.services.sim.rig import Rig

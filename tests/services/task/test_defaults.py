@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.sim.gripper import RANGES
 from services.sim.marker import ROTATION
 from services.sim.parameters import SimParameters
+from services.sim.robot.gripper import RANGES
 from services.task.parameters import TaskParameters
 from services.task.vision.detection import Detector
 from shared import topics

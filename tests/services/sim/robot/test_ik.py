@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from services.sim import ik as module
-from services.sim.ik import DifferentialIK
-from services.sim.kinematics import CHAIN, Kinematics
+from services.sim.robot import ik as module
+from services.sim.robot.ik import DifferentialIK
+from services.sim.robot.kinematics import CHAIN, Kinematics
 
 KINEMATICS = Kinematics()
 WEIGHT = np.array([10.0] + [1.0] * 7)

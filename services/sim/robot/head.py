@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import pinocchio as pin
 
-from services.sim.kinematics import full_model, locked_except
+from services.sim.robot.kinematics import full_model, locked_except
 from shared.spatial import Array
 
 JOINTS = ("head_1_joint", "head_2_joint")

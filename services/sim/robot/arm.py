@@ -7,10 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from services.sim.base import MobileBase
-from services.sim.ik import DifferentialIK
-from services.sim.kinematics import CHAIN, HOME, Kinematics
-from services.sim.physics import Physics
+from services.sim.robot.base import MobileBase
+from services.sim.robot.ik import DifferentialIK
+from services.sim.robot.kinematics import CHAIN, HOME, Kinematics
+from services.sim.robot.physics import Physics
 from shared.constants import GRAVITY
 from shared.spatial import Array
 

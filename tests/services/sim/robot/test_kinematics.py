@@ -10,7 +10,16 @@ import pinocchio as pin
 import pybullet
 import pytest
 
-from services.sim.kinematics import CHAIN, HOME, TOOL_FRAME, URDF, Kinematics, full_model, home, joint_names
+from services.sim.robot.kinematics import (
+    CHAIN,
+    HOME,
+    TOOL_FRAME,
+    URDF,
+    Kinematics,
+    full_model,
+    home,
+    joint_names,
+)
 
 ARM = (  # lower, upper [rad], velocity [rad/s], effort [Nm]
     (-1.1781, 1.5708, 1.95, 43),

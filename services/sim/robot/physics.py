@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pybullet
 
-from services.sim.kinematics import CHAIN, SENSOR_JOINT
-from services.sim.physics_model import physics_urdf
+from services.sim.robot.kinematics import CHAIN, SENSOR_JOINT
+from services.sim.robot.physics_model import physics_urdf
 from shared.constants import GRAVITY
 from shared.spatial import Array
 

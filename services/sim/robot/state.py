@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from services.sim.head import JOINTS as HEAD
-from services.sim.kinematics import CHAIN, Kinematics, full_model, home, joint_names
-from services.sim.sensor_faults import SensorLine
+from services.sim.robot.head import JOINTS as HEAD
+from services.sim.robot.kinematics import CHAIN, Kinematics, full_model, home, joint_names
+from services.sim.robot.sensor_line import SensorLine
 from services.sim.world import World
 from shared.messages import EndEffector, JointState
 from shared.spatial import quaternion

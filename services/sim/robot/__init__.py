@@ -1,0 +1,1 @@
+"""The simulated robot itself: arm, base, head, gripper, sensors."""
