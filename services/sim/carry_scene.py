@@ -11,8 +11,8 @@ from services.sim.canvas import Canvas, Colour, Picture, pixel
 from services.sim.carry_recording import Moment
 from services.sim.figure import Figure, posture
 from services.sim.floor import Floor, disc, hull
-from services.sim.panel import SUPPORT_WIDTH
 from services.sim.panel_shapes import PanelShapes
+from services.sim.scene.panel import SUPPORT_WIDTH
 from services.sim.sight import Sight
 from shared.spatial import Array, rotation_from_vector
 

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 
 import pybullet
 
-from services.sim.bag import BAG_LENGTH, ROPE_LENGTH
 from services.sim.canvas import Canvas, Colour, Matrix, Picture, pixel
 from services.sim.robot.kinematics import HOME
+from services.sim.scene.bag import BAG_LENGTH, ROPE_LENGTH
 
 CAMERA = (2.35, -2.25, 1.35)
 LOOKS_AT = (0.16, 0.02, 0.66)

@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 
 from services.sim.camera import Camera, Darkroom, OwnDarkroom
-from services.sim.carry import Carry
-from services.sim.commands import Commands
 from services.sim.eye import Eye
 from services.sim.pace import Pace, Ticks
 from services.sim.parameters import SimParameters
@@ -19,9 +17,11 @@ from services.sim.robot.gripper import RANGES as GRIPPER_RANGES
 from services.sim.robot.kinematics import CARRY_HOME, FULL_HOME, HOME
 from services.sim.robot.sensor_line import SensorLine
 from services.sim.robot.state import JointSensors
+from services.sim.scene.panel_scene import Carry
+from services.sim.scene.world import World
 from services.sim.sight import Sight
 from services.sim.sights import Sights
-from services.sim.world import World
+from services.sim.sim_commands import Commands
 from shared import topics
 from shared.faults import Fault
 from shared.messages import BaseState, FtSample, GripperState

@@ -8,8 +8,8 @@ import numpy as np
 import pybullet
 
 from services.sim.canvas import Canvas, Picture
-from services.sim.panel import SUPPORTS
 from services.sim.panel_shapes import PanelShapes
+from services.sim.scene.panel import SUPPORTS
 from services.sim.sight import FOCAL_LENGTH, HEIGHT, WIDTH, Look, Sight
 from shared.spatial import rotation_from_vector
 

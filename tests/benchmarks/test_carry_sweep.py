@@ -12,7 +12,7 @@ from benchmarks.carry.cases import KINDS, case
 from benchmarks.carry.judge import Verdict, good_enough, judge
 from benchmarks.carry.report import headline
 from services.sim.parameters import SimParameters
-from services.sim.script import read
+from services.sim.scene.script import read
 from services.task.parameters import TaskParameters
 
 LIMITS = np.array((10.0, 10.0, 10.0, 0.5, 3.0, 3.0))

@@ -8,7 +8,7 @@ import pinocchio as pin
 from services.sim.robot.head import JOINTS as HEAD
 from services.sim.robot.kinematics import CHAIN, Kinematics, full_model, home, joint_names
 from services.sim.robot.sensor_line import SensorLine
-from services.sim.world import World
+from services.sim.scene.world import World
 from shared.messages import EndEffector, JointState
 from shared.spatial import quaternion
 

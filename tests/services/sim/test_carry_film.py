@@ -14,7 +14,7 @@ from services.sim.carry_recording import CarryRun, Moment
 from services.sim.carry_scene import CarryScene
 from services.sim.figure import FOREARM, UPPER_ARM, posture
 from services.sim.film import STRIP, main
-from services.sim.panel import CLEARED
+from services.sim.scene.panel import CLEARED
 from shared import topics
 from shared.messages import HeadCommand
 from tests.services.sim.carries import ROWS, SECONDS, START, carry, saved

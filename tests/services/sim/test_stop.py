@@ -12,7 +12,7 @@ from tests.services.sim.rig import Rig
 
 OPENED = GripperCommand(0.09, EFFORT)
 PRESSED = 2500.0
-"""Force [N] of a pad per metre by which it is pressed in, about as in ``services.sim.grip``."""
+"""Force [N] of a pad per metre by which it is pressed in, about as in ``services.sim.scene.grip``."""
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from services.experiment.carry.motion import at
 from services.experiment.carry.protocol import PANEL_SIZE
 from services.experiment.recording import Recording
-from services.sim.hands import STIFFNESS
+from services.sim.scene.hands import STIFFNESS
 
 Defect = Callable[[Recording], None]
 ARM = 0.15  # [m] that the arm reaches to and fro

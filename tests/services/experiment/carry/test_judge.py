@@ -12,7 +12,7 @@ from services.experiment.carry.judge import judge
 from services.experiment.carry.measures import Measures
 from services.experiment.carry.protocol import GUIDANCE, SCRIPTS, run_named
 from services.experiment.recording import Recording
-from services.sim.script import read
+from services.sim.scene.script import read
 from tests.services.experiment.carry import defects
 from tests.services.experiment.carry.conftest import Measure
 from tests.services.experiment.carry.defects import Defect, add

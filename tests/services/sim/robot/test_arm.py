@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.sim.grip import ANGULAR_DAMPING
 from services.sim.robot.arm import DRIVE_LAG, SLACK, Arm
 from services.sim.robot.kinematics import CARRY_HOME
 from services.sim.robot.physics import FRICTION
+from services.sim.scene.grip import ANGULAR_DAMPING
 from shared.spatial import rotation_vector
 
 STEP = 0.002

@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from services.sim.hands import Hands
-from services.sim.panel import Panel
-from services.sim.script import Phase
+from services.sim.scene.hands import Hands
+from services.sim.scene.panel import Panel
+from services.sim.scene.script import Phase
 from shared.constants import GRAVITY
 from shared.spatial import Array, rotation_from_vector
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from services.sim.panel import Panel
+from services.sim.scene.panel import Panel
 from shared.spatial import Array, cross, rotation_from_vector, rotation_vector
 
 STIFFNESS, ANGULAR_STIFFNESS = 500.0, 40.0

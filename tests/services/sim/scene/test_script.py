@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from services.sim.script import BUILT_IN, read
+from services.sim.scene.script import BUILT_IN, read
 from shared.parameters import Refused
 
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from services.sim.panel import Panel, PanelSpec
-from services.sim.rigid_body import RigidBody
+from services.sim.scene.panel import Panel, PanelSpec
+from services.sim.scene.rigid_body import RigidBody
 from shared import topics
 from shared.constants import GRAVITY
 from shared.spatial import rotation_from_vector

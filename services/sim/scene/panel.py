@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.sim.contact import PointContacts
-from services.sim.rigid_body import RigidBody
+from services.sim.scene.contacts import PointContacts
+from services.sim.scene.rigid_body import RigidBody
 from shared.constants import GRAVITY
 from shared.spatial import Array, rotation_from_vector
 

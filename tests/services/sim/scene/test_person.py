@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.sim.hands import Hands, bounded
-from services.sim.panel import Panel, PanelSpec
-from services.sim.person import ENOUGH_FORCE, Person
-from services.sim.script import read
+from services.sim.scene.hands import Hands, bounded
+from services.sim.scene.panel import Panel, PanelSpec
+from services.sim.scene.person import ENOUGH_FORCE, Person
+from services.sim.scene.script import read
 from shared import topics
 from shared.constants import GRAVITY
 from shared.parameters import Refused

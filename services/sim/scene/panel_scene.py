@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.sim.grip import Grip, about_tool, locate
-from services.sim.hands import Hands
-from services.sim.panel import Panel, PanelSpec
-from services.sim.person import Person
 from services.sim.robot.gripper import Gripper
+from services.sim.scene.grip import Grip, about_tool, locate
+from services.sim.scene.hands import Hands
+from services.sim.scene.panel import Panel, PanelSpec
+from services.sim.scene.person import Person
 from shared.spatial import Array, cross
 
 

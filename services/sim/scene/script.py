@@ -10,7 +10,7 @@ from typing import Any
 
 from shared.parameters import Refused
 
-BUILT_IN = {"carry": Path(__file__).with_name("carry.toml")}
+BUILT_IN = {"carry": Path(__file__).parent / "scripts" / "carry.toml"}
 LONGEST = 64 * 1024
 """Characters of a script; it comes in one message."""
 MOST_PHASES = 100

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from services.sim import bag, script
 from services.sim.robot.sensor_line import KINDS, SensorLine
-from services.sim.world import World
+from services.sim.scene import bag, script
+from services.sim.scene.world import World
 from shared.parameters import Refused
 from shared.spatial import Array
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from services.sim.bag import BAG_LENGTH, HANDOVER, ROPE_LENGTH, Bag
+from services.sim.scene.bag import BAG_LENGTH, HANDOVER, ROPE_LENGTH, Bag
 from shared.constants import GRAVITY
 
 STEP = 0.002

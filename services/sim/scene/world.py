@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.sim.bag import Bag
-from services.sim.carry import Carry, Tool
 from services.sim.robot.arm import Arm
 from services.sim.robot.base import MobileBase, Vector
 from services.sim.robot.gripper import Gripper
 from services.sim.robot.head import Head
+from services.sim.scene.bag import Bag
+from services.sim.scene.panel_scene import Carry, Tool
 from shared.spatial import Array, rotation_from_vector
 
 

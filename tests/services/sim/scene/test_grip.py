@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.sim.carry import Carry, CarrySpec, Tool
-from services.sim.grip import PAD_WIDTH, mean_radius
-from services.sim.panel import Panel, PanelSpec
 from services.sim.robot.gripper import EFFORT, SPEED, TRAVEL, Gripper
 from services.sim.robot.kinematics import CHAIN
+from services.sim.scene.grip import PAD_WIDTH, mean_radius
+from services.sim.scene.panel import Panel, PanelSpec
+from services.sim.scene.panel_scene import Carry, CarrySpec, Tool
 from shared import topics
 from shared.constants import GRAVITY
 from shared.messages import GripperCommand

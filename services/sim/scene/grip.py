@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.sim.panel import Panel
-from services.sim.rigid_body import RigidBody
 from services.sim.robot.gripper import Gripper
+from services.sim.scene.panel import Panel
+from services.sim.scene.rigid_body import RigidBody
 from shared.spatial import Array, cross
 
 STIFFNESS, ANGULAR_STIFFNESS = 5000.0, 100.0

@@ -1,0 +1,1 @@
+"""What surrounds the simulated robot: panel, bag, person."""
