@@ -16,9 +16,9 @@ from services.experiment.experiment import Answered, Experiment
 from services.experiment.play import Play
 from services.experiment.recording import Recording
 from services.experiment.run import Run
-from services.sim.camera import Darkroom, OwnDarkroom
+from services.sim.camera.head_camera import Darkroom, OwnDarkroom
+from services.sim.camera.sight import Sight
 from services.sim.parameters import SimParameters
-from services.sim.sight import Sight
 from services.sim.simulator import Simulator
 from services.task.parameters import TaskParameters
 from services.task.task import Task

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from services.sim.canvas import Picture
+from services.sim.camera.canvas import Picture
+from services.sim.camera.renderer import Renderer
 from services.sim.carry_recording import CarryRun, Moment
 from services.sim.carry_scene import CarryScene
 from services.sim.gauges import GREY, INK, OF_PERSON, ON_ROBOT, Arrow, Gauges
-from services.sim.view import Renderer
 from shared.spatial import Array
 
 WIDTH, HEIGHT = 960, 540

@@ -18,11 +18,11 @@ from typing import Any
 
 import numpy as np
 
+from services.sim.camera.sight import Look, Sight
 from services.sim.parameters import SimParameters
 from services.sim.robot.head import JOINTS, TORSO, Head
 from services.sim.robot.kinematics import CARRY_HOME
 from services.sim.scene.panel import CLEARED, Panel
-from services.sim.sight import Look, Sight
 from shared.loop.config import Misconfigured
 from shared.parameters import Refused
 from shared.spatial import Array, rotation_from_vector, rotation_matrix

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 import pybullet
 
-from services.sim.canvas import Canvas, Colour, Picture, pixel
+from services.sim.camera.canvas import Canvas, Colour, Picture, pixel
+from services.sim.camera.panel_shapes import PanelShapes
+from services.sim.camera.sight import Sight
 from services.sim.carry_recording import Moment
 from services.sim.figure import Figure, posture
 from services.sim.floor import Floor, disc, hull
-from services.sim.panel_shapes import PanelShapes
 from services.sim.scene.panel import SUPPORT_WIDTH
-from services.sim.sight import Sight
 from shared.spatial import Array, rotation_from_vector
 
 EYE = (0.35, -4.3, 1.75)

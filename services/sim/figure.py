@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pybullet
 
-from services.sim.canvas import Canvas, Colour
+from services.sim.camera.canvas import Canvas, Colour
 from shared.spatial import Array
 
 THIGH, SHIN, TRUNK, UPPER_ARM, FOREARM = 0.44, 0.44, 0.48, 0.30, 0.32

@@ -17,7 +17,7 @@ import imageio.v2 as imageio
 import numpy as np
 
 from services.sim import carry_film, load_film
-from services.sim.canvas import Picture
+from services.sim.camera.canvas import Picture
 from services.sim.carry_recording import CarryRun
 from services.sim.load_film import LoadRun
 from shared.loop.config import Misconfigured, OneLineParser, complain

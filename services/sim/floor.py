@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from PIL import Image, ImageDraw
 
-from services.sim.canvas import Matrix, Picture, pixel
+from services.sim.camera.canvas import Matrix, Picture, pixel
 from shared.spatial import Array
 
 TILE = 0.5

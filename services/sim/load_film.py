@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from services.sim.canvas import Picture
+from services.sim.camera.canvas import Picture
 from services.sim.load_scene import Scene
 from shared.loop.config import Misconfigured
 from shared.spatial import Array

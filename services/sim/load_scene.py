@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import pybullet
 
-from services.sim.canvas import Canvas, Colour, Matrix, Picture, pixel
+from services.sim.camera.canvas import Canvas, Colour, Matrix, Picture, pixel
 from services.sim.robot.kinematics import HOME
 from services.sim.scene.bag import BAG_LENGTH, ROPE_LENGTH
 

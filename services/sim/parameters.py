@@ -7,9 +7,9 @@ from typing import Any, Literal
 
 from pydantic import model_validator
 
+from services.sim.camera.sight import Sight
 from services.sim.scene.panel import PanelSpec
 from services.sim.scene.panel_scene import CarrySpec
-from services.sim.sight import Sight
 from shared.parameters import Parameters, Refused, Vector3, Vector6, parameter
 
 SLOWEST_RATE = 30.0

@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from services.sim.camera import Camera, Darkroom, OwnDarkroom
-from services.sim.eye import Eye
+from services.sim.camera.eye import Eye
+from services.sim.camera.head_camera import Camera, Darkroom, OwnDarkroom
+from services.sim.camera.sight import Sight
+from services.sim.camera.sights import Sights
 from services.sim.pace import Pace, Ticks
 from services.sim.parameters import SimParameters
 from services.sim.robot.base import LIMITS
@@ -19,8 +21,6 @@ from services.sim.robot.sensor_line import SensorLine
 from services.sim.robot.state import JointSensors
 from services.sim.scene.panel_scene import Carry
 from services.sim.scene.world import World
-from services.sim.sight import Sight
-from services.sim.sights import Sights
 from services.sim.sim_commands import Commands
 from shared import topics
 from shared.faults import Fault

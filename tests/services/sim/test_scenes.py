@@ -7,10 +7,10 @@ import subprocess
 import numpy as np
 import pytest
 
-from services.sim.darkroom import OtherDarkroom
+from services.sim.camera.render_process import OtherDarkroom
+from services.sim.camera.renderer import Renderer
 from services.sim.parameters import SimParameters
 from services.sim.simulator import Simulator
-from services.sim.view import Renderer
 from shared import topics
 from shared.loop.stack import Stack
 from shared.parameters import Refused

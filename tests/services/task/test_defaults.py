@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.sim.marker import ROTATION
+from services.sim.camera.marker import ROTATION
 from services.sim.parameters import SimParameters
 from services.sim.robot.gripper import RANGES
 from services.task.parameters import TaskParameters

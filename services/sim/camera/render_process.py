@@ -1,7 +1,7 @@
 """A process of its own for the camera's pictures: to render one takes longer than the wrist's sensor may be silent.
 
-Run as ``python -m services.sim.darkroom FD``: it takes what there is to see from that connection, sends images
-back, and ends when the other end is closed.
+Run as ``python -m services.sim.camera.render_process FD``: it takes what there is to see from that connection, sends
+images back, and ends when the other end is closed.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ import subprocess
 import sys
 from multiprocessing.connection import Connection
 
-from services.sim.camera import developed
-from services.sim.sight import Look, Sight
-from services.sim.view import Renderer
+from services.sim.camera.head_camera import developed
+from services.sim.camera.renderer import Renderer
+from services.sim.camera.sight import Look, Sight
 
 ENDED = "no pictures: the process that renders them has ended"
 

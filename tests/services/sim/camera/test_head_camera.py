@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from services.sim import marker
+from services.sim.camera import marker
+from services.sim.camera.renderer import Renderer
+from services.sim.camera.sight import INTRINSICS, Look, Sight, pixels
 from services.sim.parameters import SimParameters
 from services.sim.robot.head import Head
 from services.sim.robot.kinematics import CARRY_HOME
-from services.sim.sight import INTRINSICS, Look, Sight, pixels
-from services.sim.view import Renderer
 from shared import topics
 from shared.clock import nanoseconds
 from shared.messages import CameraImage, HeadCommand

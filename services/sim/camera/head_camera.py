@@ -10,8 +10,8 @@ from typing import Protocol
 import numpy as np
 from PIL import Image
 
-from services.sim.sight import HEIGHT, INTRINSICS, WIDTH, Look, Sight
-from services.sim.view import Renderer
+from services.sim.camera.renderer import Renderer
+from services.sim.camera.sight import HEIGHT, INTRINSICS, WIDTH, Look, Sight
 from shared.messages import CameraImage
 from shared.spatial import quaternion
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from services.sim.camera import Camera
+from services.sim.camera.head_camera import Camera
+from services.sim.camera.sights import Sights
 from services.sim.robot.sensor_line import SensorLine
-from services.sim.sights import Sights
 from shared.messages import CameraImage
 from shared.service import Output
 from shared.topics import SENSOR_CAMERA

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from services.sim import marker
+from services.sim.camera import marker
+from services.sim.camera.sight import HEIGHT, WIDTH, Look, Sight, pixels
 from services.sim.robot.head import JOINTS
 from services.sim.robot.kinematics import CHAIN
 from services.sim.robot.state import FINGERS
 from services.sim.scene.panel_scene import Carry
 from services.sim.scene.world import World
-from services.sim.sight import HEIGHT, WIDTH, Look, Sight, pixels
 from shared.spatial import Array, rotation_from_vector
 
 FACING = 0.2

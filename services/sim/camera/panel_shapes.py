@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from services.sim import marker
-from services.sim.canvas import Canvas, Colour
-from services.sim.sight import Sight
+from services.sim.camera import marker
+from services.sim.camera.canvas import Canvas, Colour
+from services.sim.camera.sight import Sight
 from shared.spatial import Array
 
 FOAM: Colour = (0.55, 0.68, 0.82, 1.0)

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pybullet
 
-from services.sim.canvas import Canvas, Picture
-from services.sim.panel_shapes import PanelShapes
+from services.sim.camera.canvas import Canvas, Picture
+from services.sim.camera.panel_shapes import PanelShapes
+from services.sim.camera.sight import FOCAL_LENGTH, HEIGHT, WIDTH, Look, Sight
 from services.sim.scene.panel import SUPPORTS
-from services.sim.sight import FOCAL_LENGTH, HEIGHT, WIDTH, Look, Sight
 from shared.spatial import rotation_from_vector
 
 BACKGROUND = (184, 184, 178)
