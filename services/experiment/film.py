@@ -30,7 +30,7 @@ def render(folder: Path, film_data: Callable[[Recording, Path], None]) -> str:
     film_data(Recording.load(folder / RECORDING), source)
     try:
         done = subprocess.run(
-            [sys.executable, "-m", "services.sim.film", str(source), str(film)],
+            [sys.executable, "-m", "services.sim.film.film", str(source), str(film)],
             capture_output=True,
             text=True,
             timeout=PATIENCE,
@@ -43,4 +43,4 @@ def render(folder: Path, film_data: Callable[[Recording, Path], None]) -> str:
     if done.returncode == 0 and film.exists():
         return ""
     said = (done.stderr.strip() or done.stdout.strip() or "it said nothing").splitlines()[-1]
-    return f"services.sim.film ended with status {done.returncode}: {said}"
+    return f"services.sim.film.film ended with status {done.returncode}: {said}"

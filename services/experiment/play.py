@@ -29,7 +29,7 @@ class Play:
         filmed: the name of the run that the film shows, if it is among those played.
         course: of a run.
         report: judges the recordings under a folder and writes their page, given how they were made.
-        film_data: writes what `services.sim.film` reads of a recording.
+        film_data: writes what `services.sim.film.film` reads of a recording.
         target: to hold during a run; None if the stack's own task says what to hold.
         meta: what is to be said of every run besides its configuration.
     """

@@ -1,4 +1,4 @@
-"""What the film of the carry shows, for `services.sim.film`."""
+"""What the film of the carry shows, for `services.sim.film.film`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from shared import topics
 
 
 def film_data(recording: Recording, path: Path) -> None:
-    """Writes what `services.sim.film` reads, everything on the time base of `sim/world`.
+    """Writes what `services.sim.film.film` reads, everything on the time base of `sim/world`.
 
     Raises:
         KeyError: the recording lacks what the film shows.

@@ -1,4 +1,4 @@
-"""What the film of the load experiment shows, for `services.sim.film`."""
+"""What the film of the load experiment shows, for `services.sim.film.film`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from shared import topics
 
 
 def film_data(recording: Recording, path: Path) -> None:
-    """Writes what `services.sim.film` reads: joint angles, bag and load on the joints' time base.
+    """Writes what `services.sim.film.film` reads: joint angles, bag and load on the joints' time base.
 
     Raises:
         KeyError: the recording lacks what the film shows.

@@ -106,7 +106,7 @@ def test_a_film_that_cannot_be_made_is_told_and_the_report_does_without(
     put(tmp_path, "certified-100")
     monkeypatch.setattr(film.sys, "executable", "/bin/false")
     assert main(["film", str(tmp_path / "certified-100")]) == 1
-    assert "no film: services.sim.film ended with status 1" in capsys.readouterr().out
+    assert "no film: services.sim.film.film ended with status 1" in capsys.readouterr().out
     assert "<video" not in report.write(tmp_path).index.read_text()
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from services.sim.floor import TRACE
+from services.sim.film.floor import TRACE
 from shared.spatial import Array
 
 INK, GREY, PALE = (40, 44, 52), (110, 116, 126), (214, 217, 222)

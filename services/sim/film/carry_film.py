@@ -9,9 +9,9 @@ from PIL import Image, ImageDraw, ImageFont
 
 from services.sim.camera.canvas import Picture
 from services.sim.camera.renderer import Renderer
-from services.sim.carry_recording import CarryRun, Moment
-from services.sim.carry_scene import CarryScene
-from services.sim.gauges import GREY, INK, OF_PERSON, ON_ROBOT, Arrow, Gauges
+from services.sim.film.carry_recording import CarryRun, Moment
+from services.sim.film.carry_scene import CarryScene
+from services.sim.film.gauges import GREY, INK, OF_PERSON, ON_ROBOT, Arrow, Gauges
 from shared.spatial import Array
 
 WIDTH, HEIGHT = 960, 540

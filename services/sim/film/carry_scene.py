@@ -10,9 +10,9 @@ import pybullet
 from services.sim.camera.canvas import Canvas, Colour, Picture, pixel
 from services.sim.camera.panel_shapes import PanelShapes
 from services.sim.camera.sight import Sight
-from services.sim.carry_recording import Moment
-from services.sim.figure import Figure, posture
-from services.sim.floor import Floor, disc, hull
+from services.sim.film.carry_recording import Moment
+from services.sim.film.figure import Figure, posture
+from services.sim.film.floor import Floor, disc, hull
 from services.sim.scene.panel import SUPPORT_WIDTH
 from shared.spatial import Array, rotation_from_vector
 

@@ -8,9 +8,9 @@ import imageio.v2 as imageio
 import numpy as np
 import pytest
 
-from services.sim.film import main
-from services.sim.load_film import HEIGHT, WIDTH
-from services.sim.load_scene import Scene
+from services.sim.film.film import main
+from services.sim.film.load_film import HEIGHT, WIDTH
+from services.sim.film.load_scene import Scene
 from services.sim.robot.kinematics import CHAIN, HOME
 
 

@@ -1,4 +1,4 @@
-"""Renders a recorded run to a short film: ``python -m services.sim.film FILM.npz OUT.mp4``.
+"""Renders a recorded run to a short film: ``python -m services.sim.film.film FILM.npz OUT.mp4``.
 
 The recording is not the experiment's own, but what ``services.experiment film FOLDER`` takes from it. What it has to
 hold depends on its ``scene``, "load" or "carry": see ``load_film.py`` and ``carry_recording.py``. A carry gets
@@ -16,10 +16,10 @@ from typing import Any
 import imageio.v2 as imageio
 import numpy as np
 
-from services.sim import carry_film, load_film
 from services.sim.camera.canvas import Picture
-from services.sim.carry_recording import CarryRun
-from services.sim.load_film import LoadRun
+from services.sim.film import carry_film, load_film
+from services.sim.film.carry_recording import CarryRun
+from services.sim.film.load_film import LoadRun
 from shared.loop.config import Misconfigured, OneLineParser, complain
 
 STRIP = "strip.png"
@@ -56,7 +56,7 @@ def write(pictures: Iterable[Picture], path: Path, rate: float) -> int:
 
 def main(arguments: list[str] | None = None) -> int:
     """Command line; returns the exit status."""
-    parser = OneLineParser(prog="python -m services.sim.film", description="render a recorded run")
+    parser = OneLineParser(prog="python -m services.sim.film.film", description="render a recorded run")
     parser.add_argument("recording", type=Path, help="NPZ file of the run")
     parser.add_argument("film", type=Path, help="MP4 file to write")
     parser.add_argument("--rate", type=_positive, default=15.0, help="pictures per second")

@@ -14,7 +14,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from services.sim.camera.canvas import Picture
-from services.sim.load_scene import Scene
+from services.sim.film.load_scene import Scene
 from shared.loop.config import Misconfigured
 from shared.spatial import Array
 

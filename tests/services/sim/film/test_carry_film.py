@@ -9,11 +9,11 @@ import imageio.v2 as imageio
 import numpy as np
 import pytest
 
-from services.sim import carry_film
-from services.sim.carry_recording import CarryRun, Moment
-from services.sim.carry_scene import CarryScene
-from services.sim.figure import FOREARM, UPPER_ARM, posture
-from services.sim.film import STRIP, main
+from services.sim.film import carry_film
+from services.sim.film.carry_recording import CarryRun, Moment
+from services.sim.film.carry_scene import CarryScene
+from services.sim.film.figure import FOREARM, UPPER_ARM, posture
+from services.sim.film.film import STRIP, main
 from services.sim.scene.panel import CLEARED
 from shared import topics
 from shared.messages import HeadCommand
