@@ -11,11 +11,11 @@ from collections.abc import Sequence
 
 from benchmarks.experiment_stack import play_run
 from services.experiment.carry.allowance import certified
-from services.experiment.carry.measures import measure
+from services.experiment.carry.carry_measures import measure
+from services.experiment.carry.experiment import CARRY
 from services.experiment.carry.notes import notes
-from services.experiment.carry.play import CARRY
 from services.experiment.carry.tables import tables
-from services.experiment.table import Table
+from services.experiment.report.table import Table
 
 RUNS = ("certified-omni", "certified-differential", "certified-none", "paper-omni", "stiffness-omni")
 

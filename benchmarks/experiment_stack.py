@@ -11,11 +11,11 @@ from services.base.base import Base
 from services.base.parameters import BaseParameters
 from services.controller.controller import Controller
 from services.controller.parameters import ControllerParameters
-from services.experiment.course import Ask
-from services.experiment.experiment import Answered, Experiment
-from services.experiment.play import Play
-from services.experiment.recording import Recording
+from services.experiment.play.course import Ask
+from services.experiment.play.experiment import Answered, Experiment
+from services.experiment.play.recording import Recording
 from services.experiment.run import Run
+from services.experiment.spec import Play
 from services.sim.camera.head_camera import Darkroom, OwnDarkroom
 from services.sim.camera.sight import Sight
 from services.sim.parameters import SimParameters
@@ -107,7 +107,7 @@ def play_run(play: Play, run: Run, darkroom: Callable[[Sight], Darkroom] = OwnDa
     """Plays one run in simulated time.
 
     Raises:
-        services.experiment.course.Failed: the experiment could not be completed.
+        services.experiment.play.course.Failed: the experiment could not be completed.
         TimeoutError: it did not end.
     """
     with tempfile.TemporaryDirectory() as folder:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.carry.person import Manner, script
-from services.experiment.carry import protocol
+from services.experiment.carry import carry_protocol as protocol
 from services.experiment.run import Run
 from shared.constants import GRAVITY
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 import re
 
 from benchmarks.carry.cases import Case
-from services.experiment.carry.sequence import CarrySequence
-from services.experiment.course import Ask
-from services.experiment.recording import Event
-from services.experiment.seen import Seen
+from services.experiment.carry.carry_course import CarrySequence
+from services.experiment.play.course import Ask
+from services.experiment.play.observation import Seen
+from services.experiment.play.recording import Event
 from shared import topics
 
 PATIENCE = 12.0

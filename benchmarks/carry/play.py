@@ -15,12 +15,12 @@ from benchmarks.carry.course import SweepCourse
 from benchmarks.carry.judge import Verdict, judge
 from benchmarks.carry.witness import Witness
 from benchmarks.experiment_stack import LONGEST, Staged
-from services.experiment.carry import protocol
-from services.experiment.carry.judge import STATES
-from services.experiment.carry.sequence import GIVEN_UP
-from services.experiment.course import Failed
-from services.experiment.experiment import Experiment
-from services.experiment.recording import Event
+from services.experiment.carry import carry_protocol as protocol
+from services.experiment.carry.carry_claims import STATES
+from services.experiment.carry.carry_course import GIVEN_UP
+from services.experiment.play.course import Failed
+from services.experiment.play.experiment import Experiment
+from services.experiment.play.recording import Event
 from services.task.parameters import TaskParameters
 from shared.messages import Stop
 from shared.topics import STOP

@@ -13,13 +13,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from services.experiment.carry.play import CARRY
-from services.experiment.course import ANSWER_WITHIN, Ask, Failed
-from services.experiment.experiment import Answered, Experiment
-from services.experiment.film import FILM, render
-from services.experiment.load.play import LOAD
-from services.experiment.play import Play
-from services.experiment.recording import RECORDING, Recording
+from services.experiment.carry.experiment import CARRY
+from services.experiment.load.experiment import LOAD
+from services.experiment.play.course import ANSWER_WITHIN, Ask, Failed
+from services.experiment.play.experiment import Answered, Experiment
+from services.experiment.play.recording import RECORDING, Recording
+from services.experiment.report.film import FILM, render
+from services.experiment.spec import Play
 from shared import topics
 from shared.clock import SteadyClock, seconds
 from shared.loop.config import Misconfigured, OneLineParser, complain, robot_name, service_parser

@@ -12,12 +12,12 @@ import msgpack
 import numpy as np
 
 from benchmarks.experiment_stack import LONGEST, Staged
-from services.experiment.carry import protocol as carry
-from services.experiment.carry.play import CARRY
-from services.experiment.load import protocol as load
-from services.experiment.load.play import LOAD
-from services.experiment.play import Play
+from services.experiment.carry import carry_protocol as carry
+from services.experiment.carry.experiment import CARRY
+from services.experiment.load import load_protocol as load
+from services.experiment.load.experiment import LOAD
 from services.experiment.run import Run
+from services.experiment.spec import Play
 from tests.replay import recordings
 from tests.replay.recordings import Event
 

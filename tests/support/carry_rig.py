@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.carry.judge import Verdict, judge
 from benchmarks.carry.witness import Witness
 from benchmarks.experiment_stack import Together
-from services.experiment.carry import protocol
+from services.experiment.carry import carry_protocol as protocol
 from shared import topics
 from shared.messages import TaskStatus
 

@@ -8,10 +8,10 @@ import pytest
 
 from benchmarks.experiment_stack import play_run
 from services.experiment.carry.allowance import certified
-from services.experiment.carry.judge import judge
-from services.experiment.carry.measures import Measures, measure
-from services.experiment.carry.play import CARRY
-from services.experiment.claim import Claim
+from services.experiment.carry.carry_claims import judge
+from services.experiment.carry.carry_measures import Measures, measure
+from services.experiment.carry.experiment import CARRY
+from services.experiment.measure.claim import Claim
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 NAMES = (*(run.name for run in CARRY.runs), "certified-differential", "paper-differential")

@@ -7,12 +7,12 @@ from functools import cache
 import pytest
 
 from benchmarks.experiment_stack import play_run
-from services.experiment.brakes import NO_COMMAND
-from services.experiment.claim import Claim
-from services.experiment.load.judge import judge
-from services.experiment.load.measures import Measures, measure
-from services.experiment.load.play import LOAD
-from services.experiment.load.protocol import FORCE_LIMIT, HEAVY, LIGHT, RUNS, run_named, unambiguous
+from services.experiment.load.experiment import LOAD
+from services.experiment.load.load_claims import judge
+from services.experiment.load.load_measures import Measures, measure
+from services.experiment.load.load_protocol import FORCE_LIMIT, HEAVY, LIGHT, RUNS, run_named, unambiguous
+from services.experiment.measure.brakes import NO_COMMAND
+from services.experiment.measure.claim import Claim
 from services.experiment.run import Run
 from shared.messages import TwistCommand
 from shared.topics import COMMAND_EE_TWIST

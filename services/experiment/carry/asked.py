@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from services.experiment.carry.carry_protocol import FORCE_LIMIT, TORQUE_LIMIT
 from services.experiment.carry.excess import Wrenches
-from services.experiment.carry.protocol import FORCE_LIMIT, TORQUE_LIMIT
 
 STATED = np.array(FORCE_LIMIT + TORQUE_LIMIT)  # [N, Nm]
 _Z = 2

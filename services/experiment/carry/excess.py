@@ -8,7 +8,7 @@ import numpy as np
 
 from services.experiment.carry.allowance import Certified
 from services.experiment.carry.motion import Motion, rotations, turns_about_z
-from services.experiment.recording import Recording
+from services.experiment.play.recording import Recording
 from shared import topics
 
 AXES = ("fx", "fy", "fz", "tx", "ty", "tz")

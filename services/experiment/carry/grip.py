@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from services.experiment.carry.carry_protocol import PANEL_MASS
 from services.experiment.carry.motion import Motion
-from services.experiment.carry.protocol import PANEL_MASS
-from services.experiment.recording import Recording
+from services.experiment.play.recording import Recording
 from shared import topics
 from shared.constants import GRAVITY
 

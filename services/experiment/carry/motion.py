@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.experiment.carry.protocol import PANEL_SIZE
-from services.experiment.recording import Recording
+from services.experiment.carry.carry_protocol import PANEL_SIZE
+from services.experiment.play.recording import Recording
 from shared import topics
 
 SMOOTHING = 0.2  # [s] over which a speed is taken

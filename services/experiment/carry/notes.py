@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from services.experiment.carry.carry_measures import Measures
 from services.experiment.carry.effort import HARD_TORQUE
 from services.experiment.carry.excess import AFTER, AXES, BEFORE, REST_SPEED, REST_TURNING
-from services.experiment.carry.measures import Measures
 
 
 def notes(measured: Mapping[str, Measures]) -> list[str]:

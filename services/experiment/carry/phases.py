@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 
-from services.experiment.carry.measures import Measures
+from services.experiment.carry.carry_measures import Measures
 
 _NAMES = {"lift": "lift", "lower": "lower", "let_go": "let go"}  # of what the person is about
 _SHADE = "#F0F0F0"

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from services.experiment.carry.carry_measures import Measures
 from services.experiment.carry.excess import AXES, FAR_OVER
 from services.experiment.carry.following import Followed
-from services.experiment.carry.measures import Measures
-from services.experiment.table import Table
+from services.experiment.report.table import Table
 
 NONE = "–"  # where there is no such figure
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.experiment.load import protocol
-from services.experiment.recording import Event, Recording
+from services.experiment.load import load_protocol as protocol
+from services.experiment.play.recording import Event, Recording
 from services.experiment.run import Run
 from shared.constants import GRAVITY
 

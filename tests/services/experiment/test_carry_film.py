@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from services.experiment.carry import story
-from services.experiment.carry.film import film_data
-from services.experiment.carry.protocol import run
+from services.experiment.carry.carry_film import film_data
+from services.experiment.carry.carry_protocol import run
 from services.experiment.carry.story import Story
-from services.experiment.recording import Event, Recording
+from services.experiment.play.recording import Event, Recording
 from shared import topics
 from shared.spatial import quaternion_from_vector
 

@@ -8,9 +8,9 @@ import re
 import numpy as np
 import pytest
 
-from services.experiment.load.judge import judge
-from services.experiment.load.measures import measure, reversals
-from services.experiment.load.protocol import FORCE_LIMIT, RUNS, run_named
+from services.experiment.load.load_claims import judge
+from services.experiment.load.load_measures import measure, reversals
+from services.experiment.load.load_protocol import FORCE_LIMIT, RUNS, run_named
 from services.experiment.run import Run
 from tests.services.experiment.synthetic import Defect, recording
 

@@ -7,10 +7,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from services.experiment.carry.protocol import run_named
-from services.experiment.carry.sequence import CarrySequence
+from services.experiment.carry.carry_course import CarrySequence
+from services.experiment.carry.carry_protocol import run_named
 from services.experiment.main import _Progress
-from services.experiment.recording import Event
+from services.experiment.play.recording import Event
 from shared import topics
 from shared.clock import SteadyClock
 from shared.messages import Header, TaskStatus

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from services.experiment.course import Failed
-from services.experiment.experiment import PERIOD
-from services.experiment.load import protocol
-from services.experiment.load.protocol import run_named
-from services.experiment.load.sequence import LoadSequence
-from services.experiment.seen import Seen
+from services.experiment.load import load_protocol as protocol
+from services.experiment.load.load_course import LoadSequence
+from services.experiment.load.load_protocol import run_named
+from services.experiment.play.course import Failed
+from services.experiment.play.experiment import PERIOD
+from services.experiment.play.observation import Seen
 from shared import topics
 
 RUN = run_named("certified-100")

@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 
 from benchmarks.experiment_stack import play_run
-from services.experiment.carry import measures
+from services.experiment.carry import carry_measures as measures
 from services.experiment.carry.allowance import Certified, certified
-from services.experiment.carry.play import CARRY
-from services.experiment.carry.protocol import run_named
-from services.experiment.recording import Recording
+from services.experiment.carry.carry_protocol import run_named
+from services.experiment.carry.experiment import CARRY
+from services.experiment.play.recording import Recording
 
 Measure = Callable[[Recording], measures.Measures]
 

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from services.experiment.carry.carry_protocol import PANEL_SIZE
 from services.experiment.carry.motion import at
-from services.experiment.carry.protocol import PANEL_SIZE
-from services.experiment.recording import Recording
+from services.experiment.play.recording import Recording
 from services.sim.scene.hands import STIFFNESS
 
 Defect = Callable[[Recording], None]

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from services.experiment.carry.carry_protocol import Guidance
 from services.experiment.carry.following import Followed, followed
 from services.experiment.carry.motion import Motion
-from services.experiment.carry.protocol import Guidance
 
 TIME = np.arange(0.0, 8.0, 1 / 30)
 PULL, TURN = Guidance("pull", "along", 0.5), Guidance("turn", "roll", 1.0)

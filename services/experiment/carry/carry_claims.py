@@ -1,0 +1,267 @@
+"""The claims of the carry and whether the recorded runs bear them out.
+
+Every claim is computed from recordings: a sentence, the figure found, the limit it is held against, pass or fail. What
+a law does not promise is not claimed for it: the paper's promises nothing between its samples and nothing for a lever,
+`stiffness` no limit at all. Why each threshold is what it is: docs/experiment.md.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+
+from services.experiment.carry.carry_measures import Measures
+from services.experiment.carry.carry_protocol import FORCE_LIMIT, PANEL_MASS, TORQUE_LIMIT
+from services.experiment.carry.following_claims import follows
+from services.experiment.carry.grip import ON_GROUND
+from services.experiment.measure.claim import Claim
+from services.experiment.run import Run
+from shared.constants import GRAVITY
+
+BEFORE = ("idle", "calibrating", "searching", "approaching", "grasping")
+STATES = (*BEFORE, "carrying", "releasing", "retreating", "done")
+DOINGS = ("wait", "take_hold", "lift", "move", "turn", "lower", "wait", "let_go")
+LETTING_GO = ("", "releasing", "retreating")
+"""The fingers open in releasing; they may be said to be open in retreating only. Not to let go at all is no drop."""
+UNSUPPORTED = 0.05  # [s]: a sample or two
+DESCENT = 0.5  # [m/s]: twice as fast as the tool can go, the speed after 13 mm of falling
+TILT = math.radians(15.0)
+FORCE = 25.0  # [N]
+GROUND = 0.5 * PANEL_MASS * GRAVITY  # [N]
+ROUNDING = 1e-6  # [N, Nm]
+UPRIGHT, LEVEL = math.radians(15.0), math.radians(6.0)
+STAYS, LEANS = 0.02, math.radians(5.0)  # [m, rad]
+OVER, FAR_OVER = 0.15, 0.01  # shares of the time
+RESTS = 3.0  # [s] in all
+JUDGED = 0.8  # share of the time without brakes
+BREAKS = 2.0  # limits
+DEARER = 1.25
+
+
+def judge(runs: Mapping[str, Run], measured: Mapping[str, Measures]) -> list[Claim]:
+    """All claims for the runs that were measured."""
+    claims: list[Claim] = []
+    for name, run in runs.items():
+        found = measured[name]
+        always = [_asks_for_the_limits(name, found), _not_dropped(name, found)]
+        if run.law == "stiffness":
+            claims += [*always, _breaks(name, found)]
+            continue
+        claims += [_in_order(name, found), *always, _level(name, found)]
+        if run.law == "certified":
+            claims += _limits(name, found)
+        claims += [_eases(name, found), *follows(name, found.followed)]
+        claims += _puts_down(name, found)
+    if {"certified-omni", "paper-omni"} <= runs.keys():
+        claims += _against_the_paper(measured["certified-omni"], measured["paper-omni"])
+    return claims
+
+
+def _in_order(run: str, found: Measures) -> Claim:
+    reached = _without_returns([state for state, _ in found.states])
+    done = tuple(doing for doing, _ in found.doings)
+    complete = reached == STATES and done == DOINGS
+    finished = f"{len(STATES)} states, done after {found.states[-1][1]:.0f} s"
+    stuck = f"{found.states[-1][0]} ({found.reason}), person: {done[-1] if done else 'nothing'}"
+    return Claim(
+        run,
+        "every state and phase in order",
+        "goes through every state of the task, and the person through the script, in order",
+        finished if complete else stuck,
+        "all, in order",
+        complete,
+    )
+
+
+def _without_returns(states: list[str]) -> tuple[str, ...]:
+    """A state machine's way without going back from releasing to carrying, which it may (docs/task.md)."""
+    kept: list[str] = []
+    for state in states:
+        if state == "carrying" and kept[-1:] == ["releasing"]:
+            kept.pop()
+        elif kept[-1:] != [state]:
+            kept.append(state)
+    return tuple(kept)
+
+
+def _asks_for_the_limits(run: str, found: Measures) -> Claim:
+    """The limits that everything else is judged by come from the task, which is judged here."""
+    it = found.asked
+    limits = f"limits {it.off:g} off" if it.off > ROUNDING else "limits as stated"
+    others = f", {it.other:g} elsewhere" if it.other > ROUNDING else ""
+    return Claim(
+        run,
+        "asks for the stated limits",
+        f"asks for limits of {_listed(FORCE_LIMIT)} N and {_listed(TORQUE_LIMIT)} Nm, centred on half of the weight "
+        "at most, at every sample while it holds the panel",
+        f"{limits}, centred on {it.lowest:.1f} to {it.highest:.1f} N along z{others}",
+        f"as stated, {-GROUND:.1f} to 0.0 N along z, 0 elsewhere",
+        it.off <= ROUNDING
+        and it.other <= ROUNDING
+        and -GROUND - ROUNDING <= it.lowest <= it.highest <= ROUNDING,
+    )
+
+
+def _listed(values: Sequence[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values)
+
+
+def _not_dropped(run: str, found: Measures) -> Claim:
+    kept = found.let_go_in in LETTING_GO and found.unsupported <= UNSUPPORTED and found.descent <= DESCENT
+    where = f"let go in {found.let_go_in}" if found.let_go_in else "never let go"
+    return Claim(
+        run,
+        "never drops the panel",
+        "never drops the panel: held from the grasp to the release, never in the air without it, no end falls",
+        f"{where}, in the air for {found.unsupported:.1f} s, {found.descent:.2f} m/s",
+        f"in releasing, retreating or never, at most {UNSUPPORTED:g} s and {DESCENT:g} m/s",
+        kept,
+    )
+
+
+def _level(run: str, found: Measures) -> Claim:
+    return Claim(
+        run,
+        "keeps it level",
+        "keeps the panel's long axis level while it holds it",
+        f"{math.degrees(found.tilt):.1f}°",
+        f"at most {math.degrees(TILT):.0f}°",
+        found.tilt <= TILT,
+    )
+
+
+def _limits(run: str, found: Measures) -> list[Claim]:
+    excess = found.excess
+    rested = excess.resting >= RESTS
+    return [
+        Claim(
+            run,
+            "at rest: within every limit",
+            "while the person's hands and the base rest, every force and torque is within limit + error bound",
+            f"{100 * excess.resting_peak:.0f} % of the nearest in {excess.resting:.1f} s"
+            if excess.resting
+            else "never at rest",
+            f"at most 100 %, in {RESTS:g} s or more",
+            rested and excess.resting_peak <= 1.0,
+        ),
+        Claim(
+            run,
+            "seldom over a limit",
+            "seldom over a limit on any of the six axes",
+            f"{100 * excess.over:.1f} % of the time",
+            f"at most {100 * OVER:.0f} %",
+            excess.over <= OVER,
+        ),
+        Claim(
+            run,
+            "hardly ever over 1.5 limits",
+            "hardly ever over one and a half limits on any axis",
+            f"{100 * excess.far_over:.1f} % of the time, {max(excess.peaks):.2f} limits at most{_apart(found)}",
+            f"at most {100 * FAR_OVER:.0f} %, judged in {100 * JUDGED:.0f} % of the time or more",
+            excess.far_over <= FAR_OVER and excess.judged >= JUDGED,
+        ),
+    ]
+
+
+def _apart(found: Measures) -> str:
+    """What is left out: the arm has to stand in a brake, and the person goes on."""
+    if not found.brakes:
+        return ""
+    # Without the numbers, which differ each time: "wrench/external", "no fresh command".
+    reasons = ", ".join(dict.fromkeys(re.split(" is | arrives ", brake.reason)[0] for brake in found.brakes))
+    excess = found.excess
+    return (
+        f"; apart from {len(found.brakes)} brakes ({reasons}), {100 * (1.0 - excess.judged):.0f} % of the time with up "
+        f"to {excess.braked_peak:.1f} limits"
+    )
+
+
+def _eases(run: str, found: Measures) -> Claim:
+    return Claim(
+        run,
+        "person's hands: peak force",
+        "is easy to guide: force of the person's hands, half of the panel's weight included",
+        f"{found.effort.force:.1f} N",
+        f"at most {FORCE:.0f} N",
+        found.effort.force <= FORCE,
+    )
+
+
+def _puts_down(run: str, found: Measures) -> list[Claim]:
+    it = found.release
+    never = not math.isfinite(it.height)
+    return [
+        Claim(
+            run,
+            "lets go when the ground carries it",
+            "lets go when the ground carries the panel, and not before",
+            "never let go"
+            if never
+            else f"{1e3 * it.height:.1f} mm above the ground, which carries {it.ground:.1f} N",
+            f"at most {1e3 * ON_GROUND:.0f} mm, at least {GROUND:.1f} N",
+            it.height <= ON_GROUND and it.ground >= GROUND,
+        ),
+        Claim(
+            run,
+            "lets go when it stands upright",
+            "lets go when the panel stands upright on its long edge, and level",
+            "never let go"
+            if never
+            else f"{math.degrees(it.roll):.1f}° off upright, {math.degrees(it.tilt):.1f}° off level",
+            f"at most {math.degrees(UPRIGHT):.0f}° and {math.degrees(LEVEL):.0f}°",
+            it.roll <= UPRIGHT and it.tilt <= LEVEL,
+        ),
+        Claim(
+            run,
+            "it stays where it was put",
+            "the panel stays where it was put, also after the person has let go",
+            "never let go"
+            if never
+            else f"moves {1e3 * it.moved:.1f} mm, ends {math.degrees(it.leaning):.1f}° off upright",
+            f"at most {1e3 * STAYS:.0f} mm and {math.degrees(LEANS):.0f}°",
+            it.moved <= STAYS and it.leaning <= LEANS,
+        ),
+    ]
+
+
+def _breaks(run: str, found: Measures) -> Claim:
+    peak = max(found.excess.peaks)
+    return Claim(
+        run,
+        "baseline: breaks its limits",
+        "the baseline knows no limits and breaks them by multiples",
+        f"{peak:.1f} limits, over one {100 * found.excess.over:.0f} % of the time",
+        f"at least {BREAKS:g} limits",
+        peak >= BREAKS,
+    )
+
+
+def _against_the_paper(certified: Measures, paper: Measures) -> list[Claim]:
+    """The two laws with the same script. A better one must not be paid for by the person."""
+    lines = (
+        ("over a limit less", "is over a limit for less of the time", "over", 100.0, " %", 1.0),
+        ("largest excess", "exceeds the limits by less", "peak", 1.0, " limits", 1.0),
+        ("person's peak force", "costs the person hardly more: peak force", "force", 1.0, " N", DEARER),
+        ("person's work", "costs the person hardly more: work of guiding", "guiding", 1.0, " J", DEARER),
+    )
+    found = []
+    for short, text, name, scale, unit, factor in lines:
+        ours, theirs = (scale * _of(one, name) for one in (certified, paper))
+        found.append(
+            Claim(
+                "certified-omni, paper-omni",
+                short,
+                f"certified against the paper's law: {text}",
+                f"{ours:.1f} against {theirs:.1f}{unit}",
+                "no more" if factor == 1.0 else f"at most {factor:g} times",
+                ours <= factor * theirs,
+            )
+        )
+    return found
+
+
+def _of(found: Measures, name: str) -> float:
+    if name == "peak":
+        return max(found.excess.peaks)
+    return float(found.excess.over if name == "over" else getattr(found.effort, name))

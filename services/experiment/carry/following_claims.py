@@ -1,0 +1,146 @@
+"""The claims about how the robot follows the person who guides it.
+
+Everything is held against what the person wants. Sideways a robot that holds one end of a panel cannot be shifted by a
+person at the other end as it can be pushed and pulled: 3 Nm at the tool are 2.5 N at 1.2 m, and the rest is yaw.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from services.experiment.carry.following import Followed
+from services.experiment.measure.claim import Claim
+
+MISSES, MISSES_TURN = 0.03, math.radians(3.0)  # [m, rad]
+ARM = 0.15  # [m] of push and pull that the arm can make up for: it reaches from 0.45 to 0.6 m before the base
+ACROSS = {"omni": 0.5, "differential": 0.2}  # shares of what is wanted
+LAG, BASE_LAG = 0.33, 1.0  # [s]
+REACTS = 0.4  # [s]
+
+Shown = Callable[[float], str]
+
+
+def follows(run: str, followed: Sequence[Followed]) -> list[Claim]:
+    """All of them for one run, named LAW-BASE."""
+    base = run.rpartition("-")[2]
+    along, across, rolls = (
+        [one for one in followed if one.way == kind] for kind in ("along", "across", "roll")
+    )
+    claims = [
+        _gets_there(
+            run,
+            "far end gets where it is wanted",
+            "the far end gets where the person wants it: push, pull, side to side",
+            [(one, one.far) for one in (*along, *across)],
+            MISSES,
+            _millimetres,
+        ),
+        _gets_there(
+            run,
+            "turns where it is wanted",
+            "the far end turns where the person wants it: twist and turn",
+            [(one, one.far) for one in rolls],
+            MISSES_TURN,
+            _degrees,
+        ),
+        _gets_there(
+            run,
+            "robot's end follows push and pull",
+            "the robot's end goes where the person wants the panel: push and pull",
+            [(one, one.near) for one in along],
+            MISSES,
+            _millimetres,
+        ),
+        _gets_there(
+            run,
+            "robot's end follows the turns",
+            "the robot's end turns as the person wants the panel turned: twist and turn",
+            [(one, one.near) for one in rolls],
+            MISSES_TURN,
+            _degrees,
+        ),
+        _soon(
+            run,
+            "robot's end keeps up",
+            "the robot's end keeps up with the person's wish: push, pull, twist and turn, half-way",
+            [(one, one.lag) for one in (*along, *rolls)],
+            LAG,
+        ),
+    ]
+    if base in ACROSS:
+        claims += [
+            _gets_there(
+                run,
+                "base goes along",
+                "the base goes along with push and pull, further than the arm could do without it",
+                [(one, one.base) for one in along],
+                ARM,
+                _millimetres,
+            ),
+            _soon(
+                run,
+                "base keeps up",
+                "the base keeps up with the person's wish: push and pull, half-way",
+                [(one, one.base_lag) for one in along],
+                BASE_LAG,
+            ),
+            _sideways(run, across, ACROSS[base]),
+        ]
+    claims.append(
+        _soon(
+            run,
+            "reacts to push and pull",
+            "moves soon after the person's hands feel that they push or pull",
+            [(one, one.reaction) for one in along],
+            REACTS,
+        )
+    )
+    return claims
+
+
+def _millimetres(value: float) -> str:
+    return f"{1e3 * value:.0f} mm"
+
+
+def _degrees(value: float) -> str:
+    return f"{math.degrees(value):.1f}°"
+
+
+def _gets_there(
+    run: str, short: str, text: str, shares: Sequence[tuple[Followed, float]], within: float, shown: Shown
+) -> Claim:
+    worst, share = max(shares, key=lambda one: one[0].short(one[1]))
+    missing = worst.short(share)
+    return Claim(
+        run,
+        short,
+        text,
+        f"{shown(missing)} off, {100 * share:.0f} % ({worst.name})",
+        f"within {shown(within)}",
+        missing <= within,
+    )
+
+
+def _soon(run: str, short: str, text: str, times: Sequence[tuple[Followed, float]], within: float) -> Claim:
+    worst, time = max(times, key=lambda one: one[1] if math.isfinite(one[1]) else math.inf)
+    return Claim(
+        run,
+        short,
+        text,
+        f"{time:.2f} s ({worst.name})" if math.isfinite(time) else f"not at all ({worst.name})",
+        f"at most {within:g} s",
+        time <= within,
+    )
+
+
+def _sideways(run: str, across: Sequence[Followed], least: float) -> Claim:
+    worst = min(across, key=lambda one: one.near)
+    return Claim(
+        run,
+        "comes along sideways",
+        "the robot's end comes along sideways, as far as torque at the far end can bring it",
+        f"{100 * worst.near:.0f} % of the way wanted ({worst.name})",
+        f"at least {100 * least:.0f} %",
+        worst.near >= least,
+    )

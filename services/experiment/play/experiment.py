@@ -1,0 +1,115 @@
+"""An experiment as a service: advances its course, asks what that wants, records every topic.
+
+The same class runs in a process of its own over Zenoh and beside the other services in simulated time; only the way
+to ask a query differs, since nobody may wait inside simulated time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from services.experiment.play.course import Ask, Course
+from services.experiment.play.observation import INPUTS, Seen
+from services.experiment.play.recording import Recorder, Recording
+from shared import topics
+from shared.clock import Clock, seconds
+from shared.faults import Fault
+from shared.messages import ControlTarget
+from shared.parameters import Parameters, Refused
+from shared.service import Inputs, Output, Wiring
+from shared.topics import Query, Topic, health_topic
+from shared.wire.bus import Bus, OnPayload
+
+PERIOD = 0.1  # [s] of a step, and between two `control/target`
+Answered = Callable[[dict[str, Any]], None]
+RECORDED: tuple[Topic, ...] = (
+    *(topic for topic in topics.TOPICS if topic is not topics.SENSOR_CAMERA),
+    *(health_topic(name) for name in ("sim", "wrench", "controller", "base", "task")),
+)
+
+
+class Experiment:
+    """Plays one run. Its `step` is called every `PERIOD`; `finished` tells when to stop.
+
+    Args:
+        course: of the run for which the stack was started.
+        target: to hold meanwhile; None if a task of the stack says what to hold.
+        meta: what is to be said of the run besides its configuration.
+        bus: where everything is recorded from.
+        clock: the clock of the recording.
+        ask: sends a request without waiting; the answer (a map with `ok`) may be handed over from any thread.
+    """
+
+    def __init__(
+        self,
+        course: Course,
+        target: ControlTarget | None,
+        meta: dict[str, Any],
+        bus: Bus,
+        clock: Clock,
+        ask: Callable[[Ask, Answered], None],
+    ) -> None:
+        self.wiring = Wiring("experiment", driver=PERIOD, optional=INPUTS)
+        self.parameters = Parameters()
+        self.max_delay = 1.0
+        self.course = course
+        self._target = target
+        self._meta = meta
+        self._clock = clock
+        self._ask = ask
+        self._recorder = Recorder()
+        for topic in RECORDED:
+            bus.subscribe(topic.key, self._listener(topic))
+
+    def step(self, inputs: Inputs, dt: float) -> list[Output]:
+        """Advances the course and repeats the target.
+
+        Raises:
+            Failed: the experiment cannot go on.
+        """
+        for ask in self.course.step(self.now(), Seen.of(inputs)):
+            self._ask(ask, self.course.answered)
+        return [] if self._target is None else [Output(topics.CONTROL_TARGET, self._target)]
+
+    def brake(self, fault: Fault, dt: float) -> list[Output]:
+        """Publishes nothing: the last target stays in force, and the controller does the braking."""
+        return []
+
+    def query(self, query: Query, request: dict[str, Any], reply: Answered) -> None:
+        """Answers no queries."""
+        raise Refused(f"{query.key} is not served by the experiment")
+
+    def apply(self, parameters: Parameters) -> None:
+        """Has no parameters."""
+
+    def notes(self) -> str:
+        """Nothing to say beyond the progress."""
+        return ""
+
+    def now(self) -> float:
+        """The recording's clock [s]."""
+        return seconds(self._clock.now_ns())
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run is complete."""
+        return self.course.done
+
+    def recording(self, **meta: Any) -> Recording:
+        """Everything heard, on the protocol's clock; `meta` is added to what describes the run."""
+        run = self.course.run
+        described = {
+            "name": run.name,
+            "title": run.title,
+            "law": run.law,
+            "rate": run.rate,
+            "settings": run.settings,
+            **self._meta,
+            **meta,
+        }
+        start = self.course.start
+        return self._recorder.finish(described, self.course.events, 0.0 if start is None else start)
+
+    def _listener(self, topic: Topic) -> OnPayload:
+        return lambda payload: self._recorder.heard(topic, self.now(), payload)

@@ -1,0 +1,133 @@
+"""The report's folder holds everything that it promises, and the page shows what was found."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from services.experiment.load import load_report as report
+from services.experiment.load.load_film import film_data
+from services.experiment.load.load_protocol import RUNS, run_named
+from services.experiment.main import main
+from services.experiment.play.recording import RECORDING
+from services.experiment.report import film
+from tests.services.experiment.synthetic import Defect, recording
+
+
+def put(folder: Path, name: str, defect: Defect | None = None) -> None:
+    (folder / name).mkdir(parents=True)
+    recording(run_named(name), defect).save(folder / name / RECORDING)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("report")
+    for run in RUNS:
+        put(path, run.name)
+    assert main(["report", str(path), "--ran", "tandem run load <here>"]) == 0
+    return path
+
+
+def test_the_page_stands_alone_and_its_links_lead_somewhere(folder: Path) -> None:
+    page = (folder / "index.html").read_text()
+    assert not re.search(r"(src|href)=\"(https?:)?//", page)
+    links = re.findall(r"href=\"([^\"]+)\"", page)
+    assert len(links) > 5 * len(RUNS)
+    assert all((folder / link).exists() for link in links)
+    assert page.count("data:image/svg+xml;base64,") == 2 + len(RUNS)
+    assert "tandem run load &lt;here&gt;" in page
+    assert "claims hold" in page
+
+
+def test_every_claim_stands_on_the_page(folder: Path) -> None:
+    page = (folder / "index.html").read_text()
+    claims = json.loads((folder / "claims.json").read_text())["claims"]
+    assert {claim["run"] for claim in claims} >= {run.name for run in RUNS}
+    assert all(claim["figure"] in page for claim in claims)
+    assert page.count("✓ pass") == len(claims)
+
+
+def test_an_experiment_without_tables_says_so(folder: Path) -> None:
+    assert json.loads((folder / "claims.json").read_text())["tables"] == []
+
+
+def test_every_figure_is_there_in_both_formats(folder: Path) -> None:
+    names = {"comparison", "lowering", *(run.name for run in RUNS)}
+    for suffix in (".svg", ".png"):
+        assert {path.stem for path in (folder / "figures").glob(f"*{suffix}")} == names
+
+
+def test_a_failed_claim_fails_the_command_and_is_marked(tmp_path: Path) -> None:
+    put(tmp_path, "certified-100", Defect(bounces=0.03))
+    assert main(["report", str(tmp_path)]) == 1
+    page = (tmp_path / "index.html").read_text()
+    assert "✗ fail" in page
+    assert re.search(r"1 of \d+ claims fail", page)
+
+
+def test_a_brake_is_told_in_the_table_and_grey_in_the_figure(tmp_path: Path) -> None:
+    put(tmp_path, "certified-100", Defect(braked_at=18.2))
+    assert main(["report", str(tmp_path)]) == 0
+    page = (tmp_path / "index.html").read_text()
+    assert "1 brake: no fresh command" in page
+    assert "Grey: a brake" in page
+    summary = json.loads((tmp_path / "claims.json").read_text())
+    (brake,) = summary["measures"]["certified-100"]["brakes"]
+    assert brake["reason"] == "no fresh command"
+
+
+def test_a_run_that_did_not_finish_fails_the_command_but_not_the_others(tmp_path: Path) -> None:
+    put(tmp_path, "paper-30")
+    put(tmp_path, "certified-30")
+    cut = recording(run_named("paper-30"))
+    cut.events.clear()
+    cut.save(tmp_path / "paper-30" / RECORDING)
+    assert main(["report", str(tmp_path)]) == 1
+    summary = json.loads((tmp_path / "claims.json").read_text())
+    assert {claim["run"] for claim in summary["claims"]} == {"certified-30"}
+    assert summary["problems"][0].startswith("paper-30 is not judged")
+
+
+def test_a_machine_that_stalled_is_named(tmp_path: Path) -> None:
+    put(tmp_path, "paper-30", Defect(stall=1.5))
+    put(tmp_path, "certified-30")
+    problems = report.write(tmp_path).problems
+    assert len(problems) == 1
+    assert problems[0].startswith("paper-30: the force sensor was silent for up to 15")
+
+
+def test_a_film_that_cannot_be_made_is_told_and_the_report_does_without(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    put(tmp_path, "certified-100")
+    monkeypatch.setattr(film.sys, "executable", "/bin/false")
+    assert main(["film", str(tmp_path / "certified-100")]) == 1
+    assert "no film: services.sim.film.film ended with status 1" in capsys.readouterr().out
+    assert "<video" not in report.write(tmp_path).index.read_text()
+
+
+def test_a_film_is_shown_on_the_page(tmp_path: Path) -> None:
+    put(tmp_path, "certified-100")
+    (tmp_path / "certified-100" / film.FILM).write_bytes(b"film")
+    assert 'src="certified-100/scene.mp4"' in report.write(tmp_path).index.read_text()
+
+
+def test_film_data_are_on_one_time_base(tmp_path: Path) -> None:
+    film_data(recording(run_named("certified-100")), tmp_path / "film.npz")
+    with np.load(tmp_path / "film.npz") as data:
+        count = len(data["time"])
+        assert data["time"][0] >= 0.0
+        for name in ("joint_positions", "bag_mass", "bag_height", "force_z", "limit_z"):
+            assert len(data[name]) == count
+        assert data["joint_positions"].shape[1] == len(data["joint_names"])
+        assert data["bag_mass"][np.searchsorted(data["time"], 15.0)] == pytest.approx(20.0 / 9.81)
+        assert data["bag_mass"][np.searchsorted(data["time"], 5.0)] == 0.0
+
+
+def test_an_empty_folder_is_refused_with_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["report", str(tmp_path)]) == 2
+    assert "no recording of any run" in capsys.readouterr().err
