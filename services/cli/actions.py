@@ -9,7 +9,7 @@ import numpy as np
 import typer
 
 from services.cli.ask import ask
-from services.cli.diagnose import control_line
+from services.cli.health.diagnose import control_line
 from services.cli.interrupt import stop_event
 from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.refusal import refuse

@@ -10,9 +10,9 @@ from typing import Annotated, Any
 
 import typer
 
-from services.cli.children import command
 from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot
 from services.cli.param import shown
+from services.cli.stack.children import command
 from shared import topics
 from shared.parameters import Refused
 from shared.wire.bus import NoReply

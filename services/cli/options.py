@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
-from services.cli.plan import DEFAULT_ENDPOINT
 from services.cli.refusal import refuse
+from services.cli.stack.plan import DEFAULT_ENDPOINT
 from shared.wire.zenoh import BusError, ZenohBus
 
 Robot = Annotated[

@@ -13,15 +13,15 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from services.cli.children import Child, Children
 from services.cli.claims import claims_table, figures_table
 from services.cli.interrupt import stop_event
-from services.cli.lane import Lane
 from services.cli.options import DEFAULT_ROBOT, Robot
-from services.cli.plan import DEFAULT_ENDPOINT, ROUTER, Plan, check_port
 from services.cli.progress import Progress
 from services.cli.refusal import refuse
 from services.cli.runs import planned, write_config
+from services.cli.stack.children import Child, Children
+from services.cli.stack.lane import Lane
+from services.cli.stack.plan import DEFAULT_ENDPOINT, ROUTER, Plan, check_port
 from services.cli.studio import Studio
 from services.cli.up import Router
 

@@ -7,9 +7,9 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-from services.cli.children import command
-from services.cli.plan import to_toml
 from services.cli.refusal import refuse
+from services.cli.stack.children import command
+from services.cli.stack.plan import to_toml
 
 
 def planned(experiment: str, names: list[str]) -> dict[str, Any]:

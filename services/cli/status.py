@@ -7,12 +7,12 @@ import time
 import typer
 from rich.console import Console
 
-from services.cli import diagnose
-from services.cli.diagnose import control_line, robot_line, task_line
+from services.cli.health import diagnose
+from services.cli.health.diagnose import control_line, robot_line, task_line
+from services.cli.health.view import services_table, summary
+from services.cli.health.watch import Watch
 from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
-from services.cli.plan import SERVICES, remembered
-from services.cli.view import services_table, summary
-from services.cli.watch import Watch
+from services.cli.stack.plan import SERVICES, remembered
 from shared import topics
 
 LISTEN = 1.2  # [s]: two health periods and a bit; less when everybody has spoken

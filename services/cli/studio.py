@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from services.cli.children import Child, Children
+from services.cli.stack.children import Child, Children
 
 RECORDING = "recording.npz"
 

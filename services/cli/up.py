@@ -15,12 +15,16 @@ import typer
 from rich.console import Console
 from rich.live import Live
 
-from services.cli import diagnose
-from services.cli.children import Child, Children, command
-from services.cli.diagnose import Row
+from services.cli.health import diagnose
+from services.cli.health.diagnose import Row
+from services.cli.health.view import stack_view
+from services.cli.health.watch import Watch
 from services.cli.interrupt import stop_event
 from services.cli.options import DEFAULT_ROBOT, Connect, Robot, open_bus
-from services.cli.plan import (
+from services.cli.refusal import refuse
+from services.cli.runs import planned, write_config
+from services.cli.stack.children import Child, Children, command
+from services.cli.stack.plan import (
     DEFAULT_ENDPOINT,
     FURTHER,
     ROUTER,
@@ -32,11 +36,7 @@ from services.cli.plan import (
     parse_settings,
     remembered,
 )
-from services.cli.refusal import refuse
-from services.cli.runs import planned, write_config
-from services.cli.stack import Stack
-from services.cli.view import stack_view
-from services.cli.watch import Watch
+from services.cli.stack.processes import Stack
 
 REFRESH = 0.25  # [s]
 ROUTER_WITHIN = 60.0  # [s] for the stack's own router to listen, on a machine that is busy

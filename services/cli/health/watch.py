@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-from services.cli.diagnose import Heard
+from services.cli.health.diagnose import Heard
 from shared import topics
 from shared.clock import Clock, SteadyClock
 from shared.topics import SERVICES, Topic, health_topic

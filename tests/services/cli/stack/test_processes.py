@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from services.cli.plan import SERVICES
+from services.cli.stack.plan import SERVICES
 from tests.services.cli.command import exists, pids, tandem
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from services.cli.diagnose import Heard, control_line, never_seen, robot_line, rows, task_line
+from services.cli.health.diagnose import Heard, control_line, never_seen, robot_line, rows, task_line
 from shared.messages import ControlStatus, Health, RobotStatus, TaskStatus
 
 

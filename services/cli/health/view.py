@@ -8,9 +8,9 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from services.cli.children import Child
-from services.cli.diagnose import Row, control_line, robot_line, task_line
-from services.cli.watch import Watch
+from services.cli.health.diagnose import Row, control_line, robot_line, task_line
+from services.cli.health.watch import Watch
+from services.cli.stack.children import Child
 from shared import topics
 from shared.messages import ControlStatus, ExternalWrench
 from shared.topics import Topic

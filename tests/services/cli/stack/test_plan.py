@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from services.cli.plan import FURTHER, SERVICES, Plan, parse_settings, remembered
+from services.cli.stack.plan import FURTHER, SERVICES, Plan, parse_settings, remembered
 
 ENDPOINT = "tcp/127.0.0.1:7001"
 

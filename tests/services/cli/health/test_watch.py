@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from services.cli.watch import Watch
+from services.cli.health.watch import Watch
 from shared.messages import ControlStatus, Health, RobotStatus
 from shared.topics import CONTROL_STATUS, STATE_ROBOT, health_topic
 from shared.wire.local import LocalBus, Scheduler

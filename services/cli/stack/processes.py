@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from services.cli.children import Child, Children
-from services.cli.plan import ROUTER, Plan
 from services.cli.refusal import refuse
+from services.cli.stack.children import Child, Children
+from services.cli.stack.plan import ROUTER, Plan
 
 EARLY = 0.3  # [s] within which a process that cannot work with its options ends
 

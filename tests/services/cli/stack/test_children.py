@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from services.cli.children import Child, Children
+from services.cli.stack.children import Child, Children
 from tests.services.cli.command import exists
 from tests.support.ports import free_endpoint
 from tests.support.processes import ROOT
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.processes
 
 STARTER = """
 import sys, threading
-from services.cli.children import Child
+from services.cli.stack.children import Child
 child = Child("router", ["--listen", sys.argv[1]])
 print(child.pid, flush=True)
 threading.Event().wait()

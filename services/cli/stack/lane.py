@@ -7,9 +7,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-from services.cli.children import STOP_PATIENCE, Child, Children
-from services.cli.plan import Plan
-from services.cli.stack import Stack
+from services.cli.stack.children import STOP_PATIENCE, Child, Children
+from services.cli.stack.plan import Plan
+from services.cli.stack.processes import Stack
 
 
 class Lane:

@@ -1,0 +1,1 @@
+"""A stack of processes: planned, started, looked after, stopped."""
