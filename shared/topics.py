@@ -16,8 +16,6 @@ M = TypeVar("M", bound=Record)
 ROBOT = "robot"
 """Publisher name of whatever process stands for the robot: the simulation or a hardware bridge."""
 ANYBODY = "*"
-SERVICES = ("sim", "wrench", "controller", "base", "task", "viewer", "experiment")
-"""Every service that has parameters, health and a liveliness token, in the order in which people are shown them."""
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,9 @@ from services.cli.health.diagnose import control_line, robot_line, task_line
 from services.cli.health.view import services_table, summary
 from services.cli.health.watch import Watch
 from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
-from services.cli.stack.plan import SERVICES, remembered
+from services.cli.stack.plan import remembered
 from shared import topics
+from shared.processes import STACK
 
 LISTEN = 1.2  # [s]: two health periods and a bit; less when everybody has spoken
 
@@ -24,7 +25,7 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
     console = Console()
     with open_bus(robot, connect) as bus:
         watch = Watch(bus)
-        expected = SERVICES if known is None else known.services
+        expected = STACK if known is None else known.services
         shown = watch.living().union(expected)
         deadline = time.monotonic() + LISTEN
         while time.monotonic() < deadline and not watch.complete(shown):

@@ -26,7 +26,6 @@ from services.cli.runs import planned, write_config
 from services.cli.stack.children import Child, Children, command
 from services.cli.stack.plan import (
     DEFAULT_ENDPOINT,
-    FURTHER,
     ROUTER,
     STARTABLE,
     Plan,
@@ -37,6 +36,7 @@ from services.cli.stack.plan import (
     remembered,
 )
 from services.cli.stack.processes import Stack
+from shared.processes import FURTHER
 
 REFRESH = 0.25  # [s]
 ROUTER_WITHIN = 60.0  # [s] for the stack's own router to listen, on a machine that is busy

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Generic, NoReturn, TypeVar
 
 from shared.parameters import Parameters, Refused
-from shared.topics import SERVICES
+from shared.processes import SERVICES
 from shared.wire.zenoh import DEFAULT_ENDPOINT
 
 P = TypeVar("P", bound=Parameters)

@@ -8,7 +8,8 @@ from typing import Any
 from services.cli.health.diagnose import Heard
 from shared import topics
 from shared.clock import Clock, SteadyClock
-from shared.topics import SERVICES, Topic, health_topic
+from shared.processes import SERVICES
+from shared.topics import Topic, health_topic
 from shared.wire.bus import Bus
 from shared.wire.subscription import Inlet
 

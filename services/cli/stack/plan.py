@@ -13,12 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from services.cli.refusal import refuse
+from shared import processes
+from shared.processes import FURTHER, STACK, process_named
 from shared.wire.zenoh import DEFAULT_ENDPOINT
 
-ROUTER = "router"
-SERVICES = ("sim", "wrench", "controller")  # of every stack, in order of start; any order works
-FURTHER = ("base", "task")  # a stack has them if it is told so
-STARTABLE = (*SERVICES, *FURTHER)
+ROUTER = processes.ROUTER.name
+STARTABLE = (*STACK, *FURTHER)
 
 
 @dataclass(frozen=True)
@@ -34,17 +34,17 @@ class Plan:
     @property
     def services(self) -> tuple[str, ...]:
         """All services of the stack."""
-        return (*SERVICES, *self.further)
+        return (*STACK, *self.further)
 
     def router_arguments(self) -> list[str]:
         """Command line of the router."""
-        return ["--listen", self.endpoint]
+        return processes.ROUTER.arguments(self.robot, self.endpoint)
 
     def arguments(self, service: str) -> list[str]:
         """Command line of one service; KeyError if it is none that can be started."""
         if service not in STARTABLE:
             raise KeyError(service)
-        arguments = ["--robot", self.robot, "--connect", self.endpoint]
+        arguments = process_named(service).arguments(self.robot, self.endpoint)
         if self.config:
             arguments += ["--config", str(self.config.resolve())]
         for setting in self.settings.get(service, []):

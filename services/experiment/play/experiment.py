@@ -17,6 +17,7 @@ from shared.clock import Clock, seconds
 from shared.faults import Fault
 from shared.messages import ControlTarget
 from shared.parameters import Parameters, Refused
+from shared.processes import FURTHER, STACK
 from shared.service import Inputs, Output, Wiring
 from shared.topics import Query, Topic, health_topic
 from shared.wire.bus import Bus, OnPayload
@@ -25,7 +26,7 @@ PERIOD = 0.1  # [s] of a step, and between two `control/target`
 Answered = Callable[[dict[str, Any]], None]
 RECORDED: tuple[Topic, ...] = (
     *(topic for topic in topics.TOPICS if topic is not topics.SENSOR_CAMERA),
-    *(health_topic(name) for name in ("sim", "wrench", "controller", "base", "task")),
+    *(health_topic(name) for name in (*STACK, *FURTHER)),
 )
 
 

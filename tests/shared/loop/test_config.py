@@ -14,7 +14,7 @@ from shared.wire.zenoh import DEFAULT_ENDPOINT
 from tests.shared.rig import Recorder, RecorderParameters
 
 CONFIG = """\
-[viewer]
+[task]
 unknown = 1
 
 [recorder]
@@ -124,7 +124,10 @@ def test_a_bad_option_is_status_two_and_one_line(
         (b"[recorder]\nspeed = 1\n", "speed is no parameter"),
         (b"recorder = 3\n", "wanted a table [recorder]"),
         (b"gain = 1.0\n", "outside a table"),
-        (b"[contoller]\nlaw = 'paper'\n", "[contoller] is no service; there are sim, wrench, controller"),
+        (
+            b"[contoller]\nlaw = 'paper'\n",
+            "[contoller] is no service; there are sim, mock, wrench, controller",
+        ),
         (b"[recorder\n", "not TOML"),
         (b"\xff\xfe\x00", "not TOML"),
         (b"x = " + b"[" * 5000, "not TOML"),

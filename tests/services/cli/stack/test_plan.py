@@ -6,14 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from services.cli.stack.plan import FURTHER, SERVICES, Plan, parse_settings, remembered
+from services.cli.stack.plan import Plan, parse_settings, remembered
+from shared.processes import FURTHER, STACK
 
 ENDPOINT = "tcp/127.0.0.1:7001"
 
 
 def test_further_services_are_part_of_a_stack_only_if_asked_for() -> None:
-    assert Plan("tiago", ENDPOINT).services == SERVICES
-    assert Plan("tiago", ENDPOINT, further=FURTHER).services == (*SERVICES, "base", "task")
+    assert Plan("tiago", ENDPOINT).services == STACK
+    assert Plan("tiago", ENDPOINT, further=FURTHER).services == (*STACK, "base", "task")
 
 
 def test_every_service_can_be_started_whether_or_not_it_is_part_of_the_stack() -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from services.cli.stack.plan import SERVICES
+from shared.processes import STACK
 from tests.services.cli.command import exists, pids, tandem
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process
@@ -18,7 +18,7 @@ from tests.support.wait import eventually
 
 pytestmark = [pytest.mark.processes, pytest.mark.slow, pytest.mark.timeout(300)]
 PATIENCE = 60.0  # [s]
-ALL = (*SERVICES, "base")
+ALL = (*STACK, "base")
 
 
 @pytest.fixture(scope="module")

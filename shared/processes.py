@@ -1,0 +1,132 @@
+"""THE table of processes. Command line, configuration files, documentation and tests are derived from it or checked.
+
+Whoever adds a process adds a row here and a folder in `services`. What a process publishes and answers stands in
+`shared/topics.py`, under its `speaks_as`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from shared.topics import ROBOT
+
+ON_THE_BUS = ("--robot", "{robot}", "--connect", "{endpoint}")
+"""What a process that connects to the router has to be told."""
+
+
+@dataclass(frozen=True)
+class Process:
+    """One kind of process, started with `python -m services.<name>`.
+
+    Attributes:
+        name: of its folder in `services`, of its health, liveliness token and table in a configuration file.
+        does: what it is for, in one line.
+        started: by `tandem up` "always", or "with" `--with NAME`; or only "by hand".
+        image: stage of the Dockerfile that has all it needs.
+        extra: of pyproject.toml that it needs; empty if it needs none.
+        speaks_as: its name among publishers and servers of `shared/topics.py`; the name itself if empty.
+        service: it runs the loop of `shared/loop`: liveliness token, health, `--config` with a table of its name.
+        settable: it takes parameters, by `--set` and from its table.
+        options: that it has to be started with; {robot}, {endpoint} and {folder} stand for what the caller chooses.
+    """
+
+    name: str
+    does: str
+    started: Literal["always", "with", "by hand"]
+    image: str = "core"
+    extra: str = ""
+    speaks_as: str = ""
+    service: bool = True
+    settable: bool = True
+    options: tuple[str, ...] = ON_THE_BUS
+
+    @property
+    def module(self) -> str:
+        """What `python -m` is given."""
+        return f"services.{self.name}"
+
+    @property
+    def publisher(self) -> str:
+        """Its name in `shared/topics.py`."""
+        return self.speaks_as or self.name
+
+    def arguments(self, robot: str, endpoint: str, folder: str = ".") -> list[str]:
+        """The command line that it needs at least.
+
+        Args:
+            robot: first chunk of every key.
+            endpoint: of the router, which listens there itself.
+            folder: for what it writes.
+        """
+        return [part.format(robot=robot, endpoint=endpoint, folder=folder) for part in self.options]
+
+
+ROUTER = Process(
+    "router",
+    "Zenoh router; the only thing the others connect to",
+    "always",
+    service=False,
+    settable=False,
+    options=("--listen", "{endpoint}"),
+)
+SIM = Process(
+    "sim",
+    "simulated TIAGo: physics, onboard inverse kinematics, wrist sensor, base, gripper, head camera; a bag on a rope, "
+    "a panel and a person; and the gate",
+    "always",
+    image="sim",
+    extra="sim",
+    speaks_as=ROBOT,
+)
+MOCK = Process(
+    "mock",
+    "a robot without physics behind the gate: it does at once what it is told",
+    "by hand",
+    speaks_as=ROBOT,
+)
+WRENCH = Process("wrench", "gravity compensation, error bound, sensor faults", "always")
+CONTROLLER = Process("controller", "the control laws", "always", image="controller", extra="controller")
+BASE = Process(
+    "base", "moves the mobile base as a free-floating body under the wrench, while enabled", "with"
+)
+TASK = Process(
+    "task",
+    "the carry: finds and grasps the panel, says what to hold, lets go",
+    "with",
+    image="task",
+    extra="task",
+)
+EXPERIMENT = Process(
+    "experiment",
+    "plays a protocol against running processes, judges it, writes a report",
+    "by hand",
+    image="tools",
+    extra="experiment",
+    settable=False,
+    options=("play", "load", "--run", "certified-100", "--out", "{folder}", *ON_THE_BUS),
+)
+CLI = Process(
+    "cli",
+    "the command `tandem`",
+    "by hand",
+    image="tools",
+    extra="cli",
+    service=False,
+    settable=False,
+    options=(),
+)
+
+PROCESSES = (ROUTER, SIM, MOCK, WRENCH, CONTROLLER, BASE, TASK, EXPERIMENT, CLI)
+"""In the order in which people are shown them."""
+SERVICES = tuple(process.name for process in PROCESSES if process.service)
+"""Whoever has health, a liveliness token and a table in a configuration file."""
+STACK = tuple(process.name for process in PROCESSES if process.service and process.started == "always")
+"""The services of every stack."""
+FURTHER = tuple(process.name for process in PROCESSES if process.started == "with")
+"""The services that a stack has if it is told so."""
+
+
+def process_named(name: str) -> Process:
+    """The row of a name; KeyError if there is none."""
+    return {process.name: process for process in PROCESSES}[name]
