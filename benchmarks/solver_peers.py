@@ -13,18 +13,12 @@ import daqp
 import numpy as np
 import quadprog
 
-from benchmarks.solver_problems import Problem
+from benchmarks.solver_problems import Problem, Solve, Unsolved
 from services.controller.laws.qp import UNBOUNDED
 from shared.spatial import Array
 
-Solve = Callable[[Problem], Array]
-
 REGULARISED = 1e-9
 """Quadratic weight of gamma for solvers that need a positive definite cost; the controller's has none."""
-
-
-class Unsolved(Exception):
-    """The solver gave no answer."""
 
 
 def peers(problem: Problem) -> dict[str, Solve]:

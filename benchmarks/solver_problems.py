@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,13 @@ class Problem:
     lower: Array
     upper: Array
     answer: Array
+
+
+Solve = Callable[[Problem], Array]
+
+
+class Unsolved(Exception):
+    """The solver gave no answer."""
 
 
 @dataclass(frozen=True)

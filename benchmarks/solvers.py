@@ -1,18 +1,22 @@
-"""The controller's tick against the bare solve and other solvers: ``python -m benchmarks.solvers [--quick]``."""
+"""The controller's tick against the bare solve and other solvers: ``python -m benchmarks.solvers [--quick]``.
+
+``--against REV`` measures nothing but the tick, in turns with another revision's.
+"""
 
 from __future__ import annotations
 
+import argparse
 import gc
-import sys
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.solver_peers import Solve, Unsolved, peers, silent
-from benchmarks.solver_problems import Problem, Sample, samples
+from benchmarks import against
+from benchmarks.solver_problems import Problem, Sample, Solve, Unsolved, samples
 from benchmarks.table import Row, at_least, at_most, show, shown
 from services.controller.parameters import ControllerParameters
 from shared.spatial import Array
@@ -22,6 +26,26 @@ PROBLEMS = 5000
 QUICK = 500
 WARM_UP = 200
 FORMS = {"strict": 1.0, "rounded": 0.8}
+TICKS = """
+import gc, json
+import numpy as np
+from benchmarks.solver_problems import samples
+from services.controller.parameters import ControllerParameters
+
+found = {}
+for form, yield_start in (("strict", 1.0), ("rounded", 0.8)):
+    zone = {"stiffness": 2000.0, "reach": (0.1, 0.1, 0.05)}
+    settings = {"yield_start": yield_start, "contact_reach": (0.5, 0.3, 0.1), "zones": [zone]}
+    gc.collect()
+    gc.disable()
+    ticks = samples(4200, ControllerParameters.of(settings))[200:]
+    gc.enable()
+    tick, bare = np.array([tick.tick for tick in ticks]), np.array([tick.bare for tick in ticks])
+    found |= {f"tick, {form}, p10 [us]": np.percentile(tick, 10), f"tick, {form}, p50 [us]": np.median(tick)}
+    found[f"bare PIQP, {form}, p10 [us]"] = np.percentile(bare, 10)
+print(json.dumps(found))
+"""
+"""What is measured of another revision; the bare solve is the same in both and shows how far to trust the rest."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +112,9 @@ def twist(answer: Array) -> Array:
 
 def timings(count: int) -> tuple[dict[str, tuple[Timing, Timing]], list[Timing]]:
     """Per form the tick and the bare solve; then the peers on the strict form's problems."""
+    # Only here: to compare revisions takes no other solver.
+    from benchmarks.solver_peers import peers, silent
+
     own: dict[str, tuple[Timing, Timing]] = {}
     for form, yield_start in FORMS.items():
         found = measure(count, yield_start)
@@ -145,11 +172,17 @@ def _table(own: dict[str, tuple[Timing, Timing]], others: list[Timing]) -> Table
     return table
 
 
-def main() -> int:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Print the comparison and the claims."""
-    show(rows("--quick" in sys.argv[1:]))
-    return 0
+    parser = argparse.ArgumentParser(prog=COMMAND, description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="fewer samples: a look, not a measurement")
+    parser.add_argument("--against", metavar="REV", help="a revision of git, such as HEAD")
+    given = parser.parse_args(arguments)
+    if given.against:
+        against.show(against.compare(given.against, TICKS))
+    else:
+        show(rows(given.quick))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from tests.replay import cases
 from tests.replay.player import digests, play
 from tests.replay.product import CODE
 from tests.replay.recordings import INPUTS
+from tests.support.revision import ROOT, worktree
 
-ROOT = Path(__file__).resolve().parents[2]
 _SOURCES = "sources in "
 Digests = dict[tuple[str, str], str]
 """Checksum and number of messages for each case and key."""
@@ -34,7 +32,7 @@ def compare(revision: str) -> int:
     Args:
         revision: of the git repository; it needs a `tests/replay` of its own, which knows where its sources lie.
     """
-    with _worktree(revision) as folder:
+    with worktree(revision) as folder:
         if not (folder / "tests/replay/__main__.py").exists():
             print(f"{revision} has no tests/replay: nothing to compare with", file=sys.stderr)
             return 2
@@ -67,19 +65,3 @@ def _finished(process: subprocess.Popen[str], folder: Path) -> Digests:
         raise SystemExit(f"the replay in {folder} has imported the {first}")
     rows = [line.split("\t") for line in rest]
     return {(case, key): f"{digest} {count}" for case, key, digest, count in rows}
-
-
-@contextmanager
-def _worktree(revision: str) -> Iterator[Path]:
-    with tempfile.TemporaryDirectory() as parent:
-        folder = Path(parent).resolve() / "before"
-        _git("worktree", "add", "--quiet", "--detach", str(folder), revision)
-        try:
-            yield folder
-        finally:
-            _git("worktree", "remove", "--force", str(folder))
-
-
-def _git(*arguments: str) -> None:
-    if subprocess.run(["git", *arguments], cwd=ROOT).returncode:
-        raise SystemExit(2)
