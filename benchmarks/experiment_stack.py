@@ -12,7 +12,7 @@ from services.base.parameters import BaseParameters
 from services.controller.controller import Controller
 from services.controller.parameters import ControllerParameters
 from services.experiment.play.course import Ask
-from services.experiment.play.experiment import Answered, Experiment
+from services.experiment.play.player import Answered, Experiment
 from services.experiment.play.recording import Recording
 from services.experiment.run import Run
 from services.experiment.spec import Play

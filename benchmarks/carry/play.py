@@ -19,7 +19,7 @@ from services.experiment.carry import carry_protocol as protocol
 from services.experiment.carry.carry_claims import STATES
 from services.experiment.carry.carry_course import GIVEN_UP
 from services.experiment.play.course import Failed
-from services.experiment.play.experiment import Experiment
+from services.experiment.play.player import Experiment
 from services.experiment.play.recording import Event
 from services.task.parameters import TaskParameters
 from shared.messages import Stop

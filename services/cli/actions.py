@@ -9,9 +9,9 @@ import numpy as np
 import typer
 
 from services.cli.ask import ask
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.health.diagnose import control_line
 from services.cli.interrupt import stop_event
-from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.refusal import refuse
 from shared import topics
 from shared.messages import ControlStatus, ControlTarget, RobotStatus, Stop

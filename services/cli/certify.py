@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot
 from services.cli.param import shown
 from services.cli.stack.children import command
 from shared import topics

@@ -11,7 +11,7 @@ import typer
 
 from services.cli.actions import REPEAT, limits, make_target
 from services.cli.ask import ask
-from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.refusal import refuse
 from shared import topics
 from shared.messages import ControlTarget, EndEffector, RobotStatus

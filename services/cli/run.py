@@ -14,8 +14,8 @@ import typer
 from rich.console import Console
 
 from services.cli.claims import claims_table, figures_table
+from services.cli.common import DEFAULT_ROBOT, Robot
 from services.cli.interrupt import stop_event
-from services.cli.options import DEFAULT_ROBOT, Robot
 from services.cli.progress import Progress
 from services.cli.refusal import refuse
 from services.cli.runs import planned, write_config

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from services.cli.ask import ask
-from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.refusal import refuse
 from shared import topics
 from shared.constants import GRAVITY

@@ -7,11 +7,11 @@ import time
 import typer
 from rich.console import Console
 
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.health import diagnose
 from services.cli.health.diagnose import control_line, robot_line, task_line
 from services.cli.health.view import services_table, summary
 from services.cli.health.watch import Watch
-from services.cli.options import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.stack.plan import remembered
 from shared import topics
 from shared.processes import STACK

@@ -15,12 +15,12 @@ import typer
 from rich.console import Console
 from rich.live import Live
 
+from services.cli.common import DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.health import diagnose
 from services.cli.health.diagnose import Row
 from services.cli.health.view import stack_view
 from services.cli.health.watch import Watch
 from services.cli.interrupt import stop_event
-from services.cli.options import DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.refusal import refuse
 from services.cli.runs import planned, write_config
 from services.cli.stack.children import Child, Children, command

@@ -16,7 +16,7 @@ from typing import Any
 from services.experiment.carry.experiment import CARRY
 from services.experiment.load.experiment import LOAD
 from services.experiment.play.course import ANSWER_WITHIN, Ask, Failed
-from services.experiment.play.experiment import Answered, Experiment
+from services.experiment.play.player import Answered, Experiment
 from services.experiment.play.recording import RECORDING, Recording
 from services.experiment.report.film import FILM, render
 from services.experiment.spec import Play

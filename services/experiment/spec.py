@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from services.experiment.play.course import Ask, Course
-from services.experiment.play.experiment import Answered, Experiment
+from services.experiment.play.player import Answered, Experiment
 from services.experiment.play.recording import Recording
 from services.experiment.report.summary import Report
 from services.experiment.run import Run

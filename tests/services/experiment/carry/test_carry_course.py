@@ -10,8 +10,8 @@ import numpy as np
 from services.experiment.carry.carry_course import CarrySequence
 from services.experiment.carry.carry_protocol import SCRIPTS, run_named
 from services.experiment.play.course import Ask
-from services.experiment.play.experiment import PERIOD
 from services.experiment.play.observation import Seen
+from services.experiment.play.player import PERIOD
 from shared import topics
 
 RUN = run_named("certified-none")

@@ -15,7 +15,7 @@ from services.experiment.load.load_protocol import RUNS, run_named
 from services.experiment.main import main
 from services.experiment.play.recording import RECORDING
 from services.experiment.report import film
-from tests.services.experiment.synthetic import Defect, recording
+from tests.services.experiment.load.synthetic import Defect, recording
 
 
 def put(folder: Path, name: str, defect: Defect | None = None) -> None:

@@ -12,7 +12,7 @@ from services.experiment.load.load_claims import judge
 from services.experiment.load.load_measures import measure, reversals
 from services.experiment.load.load_protocol import FORCE_LIMIT, RUNS, run_named
 from services.experiment.run import Run
-from tests.services.experiment.synthetic import Defect, recording
+from tests.services.experiment.load.synthetic import Defect, recording
 
 
 def failed(run: Run, defect: Defect | None = None) -> list[str]:

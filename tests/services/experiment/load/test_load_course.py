@@ -12,8 +12,8 @@ from services.experiment.load import load_protocol as protocol
 from services.experiment.load.load_course import LoadSequence
 from services.experiment.load.load_protocol import run_named
 from services.experiment.play.course import Failed
-from services.experiment.play.experiment import PERIOD
 from services.experiment.play.observation import Seen
+from services.experiment.play.player import PERIOD
 from shared import topics
 
 RUN = run_named("certified-100")
