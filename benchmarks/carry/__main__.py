@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 import time
@@ -15,6 +14,7 @@ from benchmarks.carry.cases import KINDS, Case, Changes, case
 from benchmarks.carry.judge import Verdict, good_enough
 from benchmarks.carry.play import play, verdict_of
 from benchmarks.carry.report import line, show, trace
+from shared.loop.config import service_assignment, value_of
 
 SEEDS = "0-119"
 
@@ -41,10 +41,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         action="append",
         default=[],
         metavar="SERVICE.NAME=VALUE",
-        help="a setting of all cases, as JSON",
+        help="a setting of all cases, value in TOML",
     )
     options = parser.parse_args(arguments)
-    overrides = _settings(options.set)
+    try:
+        overrides = _settings(options.set)
+    except ValueError as problem:
+        parser.error(f"--set: {problem}")
     if options.seed is not None:
         played = play(case(options.seed, overrides))
         trace(played)
@@ -67,9 +70,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _settings(given: Sequence[str]) -> Changes:
     found: Changes = {}
     for text in given:
-        where, _, value = text.partition("=")
-        service, _, name = where.partition(".")
-        found.setdefault(service, {})[name] = json.loads(value)
+        service, name, value = service_assignment(text)
+        found.setdefault(service, {})[name] = value_of(value)
     return found
 
 

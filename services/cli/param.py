@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from typing import Annotated, Any
 
 import typer
@@ -12,6 +11,7 @@ from rich.table import Table
 from services.cli.ask import ask
 from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.refusal import refuse
+from shared.loop.config import service_assignment, value_of
 from shared.topics import PARAMETER_QUERIES, Query
 
 app = typer.Typer(help="Parameters of running services.")
@@ -48,12 +48,12 @@ def set_(
     """Change parameters of a running service, all of one service or none; out of range is refused."""
     changes: dict[str, dict[str, Any]] = {}
     for setting in settings:
-        name, equals, text = setting.partition("=")
-        service, dot, parameter = name.strip().partition(".")
-        if not (equals and dot):
+        try:
+            service, parameter, text = service_assignment(setting)
+        except ValueError:
             refuse(f"{setting!r}: wanted SERVICE.NAME=VALUE, such as controller.max_linear=0.1")
         _query(service)
-        changes.setdefault(service, {})[parameter] = value_of(text.strip())
+        changes.setdefault(service, {})[parameter] = read(text)
     with open_bus(robot, connect) as bus:
         for service, values in changes.items():
             table = ask(bus, QUERIES[service], {"set": values})["parameters"]
@@ -61,13 +61,11 @@ def set_(
                 typer.echo(f"{service}.{parameter} = {shown(table[parameter]['value'])}")
 
 
-def value_of(text: str) -> Any:
-    """A value in TOML syntax; a bare word is text, so that law=paper works without quotes inside quotes."""
+def read(text: str) -> Any:
+    """A value as it is typed; refuses what is none."""
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        if text.replace("_", "").replace("-", "").isalpha():
-            return text
+        return value_of(text)
+    except ValueError:
         refuse(f'{text!r} is no TOML value: wanted a number, "text", true, false or [a, b, c]')
 
 

@@ -104,8 +104,17 @@ def service_parameters(
     if config is not None:
         source = f"--config {config}"
         values |= _table(Path(config), service)
-    for assignment in assignments:
-        values |= _assigned(assignment)
+    for text in assignments:
+        try:
+            name, value = assignment(text)
+        except ValueError:
+            raise Misconfigured(f"--set {text}: wanted key=value") from None
+        try:
+            values[name] = value_of(value)
+        except ValueError:
+            raise Misconfigured(
+                f'--set {text}: the value is not TOML; text needs quotes: {name}="..."'
+            ) from None
         source = "--set" if config is None else f"{source} or --set"
     try:
         return parameters.of(values)
@@ -134,16 +143,45 @@ def _table(path: Path, service: str) -> Mapping[str, Any]:
     return table
 
 
-def _assigned(assignment: str) -> dict[str, Any]:
-    name, equals, text = assignment.partition("=")
+def assignment(text: str) -> tuple[str, str]:
+    """Name and value of NAME=VALUE as they are written; `value_of` reads the value.
+
+    Raises:
+        ValueError: it is no such text.
+    """
+    name, equals, value = text.partition("=")
     if not equals or not name.strip().isidentifier():
-        raise Misconfigured(f"--set {assignment}: wanted key=value")
+        raise ValueError(f"{text!r} is no NAME=VALUE")
+    return name.strip(), value.strip()
+
+
+def service_assignment(text: str) -> tuple[str, str, str]:
+    """Service, name and value of SERVICE.NAME=VALUE as they are written.
+
+    Raises:
+        ValueError: it is no such text.
+    """
+    service, dot, rest = text.partition(".")
+    if not dot or "=" in service:
+        raise ValueError(f"{text!r} is no SERVICE.NAME=VALUE")
+    return service.strip(), *assignment(rest)
+
+
+def value_of(text: str) -> Any:
+    """A value in TOML; a bare word is text, so that law=paper works without quotes inside quotes.
+
+    Raises:
+        ValueError: it is neither.
+    """
     try:
-        return {name.strip(): tomllib.loads(f"value = {text}")["value"]}
+        table = tomllib.loads(f"value = {text}")
     except (tomllib.TOMLDecodeError, RecursionError):
-        raise Misconfigured(
-            f'--set {assignment}: the value is not TOML; text needs quotes: {name}="..."'
-        ) from None
+        if text.replace("_", "").replace("-", "").isalpha():
+            return text
+        raise ValueError(f"{text!r} is no TOML value") from None
+    if len(table) > 1:
+        raise ValueError(f"{text!r} is more than a value")
+    return table["value"]
 
 
 def complain(service: str, problem: Exception) -> int:

@@ -14,6 +14,7 @@ from typing import Any
 
 from services.cli.refusal import refuse
 from shared import processes
+from shared.loop.config import service_assignment
 from shared.processes import FURTHER, STACK, process_named
 from shared.wire.zenoh import DEFAULT_ENDPOINT
 
@@ -81,15 +82,15 @@ def parse_settings(settings: Sequence[str]) -> dict[str, list[str]]:
     """`controller.law="paper"` and the like -> service -> `law="paper"`; refuses what names no service of the stack."""
     table: dict[str, list[str]] = {}
     for setting in settings:
-        name, equals, value = setting.partition("=")
-        service, dot, key = name.strip().partition(".")
-        if not (equals and dot and key):
+        try:
+            service, key, value = service_assignment(setting)
+        except ValueError:
             refuse(f"--set {setting!r}: wanted SERVICE.NAME=VALUE, such as --set 'controller.law=\"paper\"'")
         if service not in STARTABLE:
             refuse(
                 f"--set {setting!r}: {service!r} is no service of the stack; choose from {', '.join(STARTABLE)}"
             )
-        table.setdefault(service, []).append(f"{key}={value.strip()}")
+        table.setdefault(service, []).append(f"{key}={value}")
     return table
 
 

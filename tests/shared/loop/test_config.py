@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from shared.loop.config import Misconfigured, complain, settings
+from shared.loop.config import Misconfigured, complain, service_assignment, settings, value_of
 from shared.loop.process import run
 from shared.wire.zenoh import DEFAULT_ENDPOINT
 from tests.shared.rig import Recorder, RecorderParameters
@@ -63,6 +63,24 @@ def test_set_wins_over_the_file_and_the_last_set_over_the_first(config: Path) ->
     assert found.gain == 4.5 and found.limit == (1.0, 2.0, 3.0)
 
 
+def test_settings_are_read_alike_wherever_they_are_typed() -> None:
+    assert service_assignment(' controller.law = "paper" ') == ("controller", "law", '"paper"')
+    assert [
+        value_of(text) for text in ("paper", '"paper"', "two_words", "1e3", "true", "[1, 2]", "'a=b'")
+    ] == [*("paper", "paper", "two_words", 1000.0, True, [1, 2], "a=b")]
+    for text in (
+        "law=paper",
+        "controller",
+        "controller.law",
+        "controller.=1",
+        "controller.a.b=1",
+        ".=",
+        "x=a.b",
+    ):
+        with pytest.raises(ValueError, match="is no"):
+            service_assignment(text)
+
+
 def test_the_environment_stands_in_for_options(config: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TANDEM_ROBOT", "reem")
     monkeypatch.setenv("TANDEM_CONNECT", "tcp/10.0.0.1:7000")
@@ -81,7 +99,8 @@ BAD = [
     (["--set", "gain"], "wanted key=value"),
     (["--set", "=1"], "wanted key=value"),
     (["--set", "gain="], "not TOML"),
-    (["--set", "gain=fast"], "text needs quotes"),
+    (["--set", "gain=so fast"], "text needs quotes"),
+    (["--set", "gain=fast"], "gain"),
     (["--set", 'gain="fast"'], "gain"),
     (["--set", "gain=true"], "gain"),
     (["--set", "gain=nan"], "gain"),
@@ -89,6 +108,7 @@ BAD = [
     (["--set", "speed=1"], "speed is no parameter; there are gain, limit"),
     (["--set", "gain=" + "[" * 5000], "not TOML"),
     (["--set", "gain=1\nx=\n"], "not TOML"),
+    (["--set", "gain=1\nx=2"], "not TOML"),
     (["--set"], "expected one argument"),
     (["--sett", "a=1"], "--sett"),
     (["stray"], "stray"),
