@@ -7,8 +7,6 @@ of a message: the publisher's framework adds it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from shared.schema.fields import (
@@ -30,7 +28,6 @@ _TTL = f"at most {LONGEST_TTL:g}: a longer one counts as that"
 _ZERO3 = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
 class Header(Record):
     """What every published message carries besides its fields."""
 
@@ -40,7 +37,6 @@ class Header(Record):
     valid: bool = of(Boolean(doc="every input that went into the message was healthy"))
 
 
-@dataclass(frozen=True, eq=False)
 class FtSample(Record):
     """One reading of the wrist's force-torque sensor, uncompensated."""
 
@@ -51,7 +47,6 @@ class FtSample(Record):
     saturated: bool = of(Boolean(doc="some axis is at the end of its range"))
 
 
-@dataclass(frozen=True, eq=False)
 class CameraImage(Record):
     """One image of the head camera with its calibration and pose."""
 
@@ -65,7 +60,6 @@ class CameraImage(Record):
     orientation: np.ndarray = of(Quaternion("", "optical frame (z forward, x right) in base"))
 
 
-@dataclass(frozen=True, eq=False)
 class JointState(Record):
     """Joint names, positions [rad, m], velocities and efforts [Nm, N], all of one length."""
 
@@ -82,7 +76,6 @@ class JointState(Record):
                 )
 
 
-@dataclass(frozen=True, eq=False)
 class EndEffector(Record):
     """Pose and twist of the tool."""
 
@@ -92,7 +85,6 @@ class EndEffector(Record):
     angular: np.ndarray = of(Vector("rad/s"))
 
 
-@dataclass(frozen=True, eq=False)
 class BaseState(Record):
     """Odometry of the base."""
 
@@ -101,7 +93,6 @@ class BaseState(Record):
     velocity: np.ndarray = of(Vector("m/s, m/s, rad/s", "vx, vy, wz"))
 
 
-@dataclass(frozen=True, eq=False)
 class GripperState(Record):
     """The controlled gripper."""
 
@@ -110,7 +101,6 @@ class GripperState(Record):
     holding: bool = of(Boolean())
 
 
-@dataclass(frozen=True, eq=False)
 class RobotStatus(Record):
     """What the robot's gate does, and what the robot can do."""
 
@@ -131,7 +121,6 @@ class RobotStatus(Record):
     )
 
 
-@dataclass(frozen=True, eq=False)
 class TwistCommand(Record):
     """Commanded tool twist; older than ``ttl`` it is not executed any more."""
 
@@ -140,7 +129,6 @@ class TwistCommand(Record):
     ttl: float = of(Number("s", _TTL, above=0.0), default=0.05)
 
 
-@dataclass(frozen=True, eq=False)
 class BaseTwistCommand(Record):
     """Commanded base twist."""
 
@@ -148,7 +136,6 @@ class BaseTwistCommand(Record):
     ttl: float = of(Number("s", _TTL, above=0.0), default=0.1)
 
 
-@dataclass(frozen=True, eq=False)
 class GripperCommand(Record):
     """Wanted opening and the effort to use for it; not carried out once it is older than 1 s."""
 
@@ -156,7 +143,6 @@ class GripperCommand(Record):
     effort: float = of(Number("N", minimum=0.0))
 
 
-@dataclass(frozen=True, eq=False)
 class HeadCommand(Record):
     """Wanted head joints; not carried out once they are older than 1 s."""
 
@@ -164,7 +150,6 @@ class HeadCommand(Record):
     tilt: float = of(Number("rad"))
 
 
-@dataclass(frozen=True, eq=False)
 class Stop(Record):
     """Latched by the gate; released only by ``engaged`` false."""
 
@@ -172,7 +157,6 @@ class Stop(Record):
     reason: str = of(Text(longest=200, doc="the first 200 characters count"), default="")
 
 
-@dataclass(frozen=True, eq=False)
 class ExternalWrench(Record):
     """What the environment exerts on the tool, compensated, with a bound on its error."""
 
@@ -185,7 +169,6 @@ class ExternalWrench(Record):
     fault: str = of(Text(doc="empty, or silent, stuck, saturated, invalid"))
 
 
-@dataclass(frozen=True, eq=False)
 class ControlTarget(Record):
     """Pose to hold and limits to keep; the limits are centred on the nominal wrench."""
 
@@ -197,7 +180,6 @@ class ControlTarget(Record):
     nominal_torque: np.ndarray = of(Vector("Nm"), default=_ZERO3)
 
 
-@dataclass(frozen=True, eq=False)
 class ControlStatus(Record):
     """What the controller does and why."""
 
@@ -212,7 +194,6 @@ class ControlStatus(Record):
     solve_us: float = of(Number("us"))
 
 
-@dataclass(frozen=True, eq=False)
 class BaseStatus(Record):
     """What the base's admittance does."""
 
@@ -221,14 +202,12 @@ class BaseStatus(Record):
     velocity: np.ndarray = of(Vector("m/s, m/s, rad/s"))
 
 
-@dataclass(frozen=True, eq=False)
 class Enable(Record):
     """Silence over a second means disabled."""
 
     enabled: bool = of(Boolean())
 
 
-@dataclass(frozen=True, eq=False)
 class MarkerPose(Record):
     """A detected marker."""
 
@@ -237,7 +216,6 @@ class MarkerPose(Record):
     age: float = of(Number("s", minimum=0.0))
 
 
-@dataclass(frozen=True, eq=False)
 class TaskStatus(Record):
     """Where the carrying task stands."""
 
@@ -249,7 +227,6 @@ class TaskStatus(Record):
     marker: MarkerPose | None = of(RecordOf(record=MarkerPose, nullable=True))
 
 
-@dataclass(frozen=True, eq=False)
 class InputHealth(Record):
     """One input as its reader sees it; ``age`` is -1 before the first message."""
 
@@ -259,7 +236,6 @@ class InputHealth(Record):
     ok: bool = of(Boolean(doc="fresh and valid; also: optional and never received, or on change only"))
 
 
-@dataclass(frozen=True, eq=False)
 class Health(Record):
     """How a service is."""
 

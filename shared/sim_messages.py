@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from shared.schema.fields import Boolean, Number, Quaternion, Text, Vector
 from shared.schema.records import Record, RecordOf, of
 
 
-@dataclass(frozen=True, eq=False)
 class PanelState(Record):
     """The simulated panel, in world."""
 
@@ -18,7 +15,6 @@ class PanelState(Record):
     orientation: np.ndarray = of(Quaternion())
 
 
-@dataclass(frozen=True, eq=False)
 class BagState(Record):
     """The simulated bag."""
 
@@ -26,7 +22,6 @@ class BagState(Record):
     height: float = of(Number("m"))
 
 
-@dataclass(frozen=True, eq=False)
 class HandState(Record):
     """The simulated person's hands, in world; ``doing`` is the kind of phase of his script, for people to read."""
 
@@ -43,7 +38,6 @@ class HandState(Record):
     )
 
 
-@dataclass(frozen=True, eq=False)
 class SimWorld(Record):
     """Ground truth of the simulation, in world: ``base_footprint`` as it stood at the start."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -103,7 +102,7 @@ class Wrench:
         if self._last is None:
             return []
         word = SILENT if fault.kind is FaultKind.SILENT else INVALID
-        return [Output(WRENCH_EXTERNAL, replace(self._last, fault=word), valid=False)]
+        return [Output(WRENCH_EXTERNAL, self._last.replaced(fault=word), valid=False)]
 
     def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
         """Answer a tare or a step of an identification; what needs an average is answered in a later step."""

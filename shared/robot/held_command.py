@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Generic, TypeVar
 
 from shared.schema.records import Record
@@ -67,7 +66,7 @@ class Setpoint(Generic[M]):
         if able == asked:
             return command.message
         self.clamped += 1
-        return replace(command.message, **able)
+        return command.message.replaced(**able)
 
     @property
     def counts(self) -> tuple[tuple[int, str], ...]:

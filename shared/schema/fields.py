@@ -6,13 +6,14 @@ import math
 import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
+from msgspec import Meta
 
 _QUATERNION_TOLERANCE = 1e-3
 FLOAT_ONLY = {float}
-_END_OF_INTEGERS = 2**64
+_LEAST_INTEGER, _END_OF_INTEGERS = -(2**63), 2**64
 
 
 class InvalidField(ValueError):
@@ -21,7 +22,7 @@ class InvalidField(ValueError):
 
 def shown(value: object) -> str:
     """A refused value, for the reason."""
-    # Bounded in length and in depth: a refused value comes from anybody, nested a thousand times if he likes.
+    # Bounded in length and in depth: a refused value comes from anybody, nested a thousand times perhaps.
     text = reprlib.repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
 
@@ -39,10 +40,26 @@ def _finite(value: object, name: str) -> float:
     return value
 
 
+def _bounded(
+    number: type, above: float = -math.inf, minimum: float = -math.inf, maximum: float = math.inf
+) -> Any:
+    """The type of a number within bounds, for a decoder."""
+    given = {"gt": above, "ge": minimum if above == -math.inf else -math.inf, "le": maximum}
+    bounds: dict[str, Any] = {name: bound for name, bound in given.items() if abs(bound) < math.inf}
+    return Annotated[number, Meta(**bounds)] if bounds else number
+
+
 @dataclass(frozen=True)
 class Kind:
-    """What a field holds. ``unit`` and ``doc`` are for readers and for the generated reference."""
+    """What a field holds.
 
+    Attributes:
+        unit, doc: for readers and for the generated reference.
+        wire: type as which a decoder reads it. A payload that does not fit is read once more without types, and what
+            is wrong with it is said by ``check``.
+    """
+
+    wire: ClassVar[Any] = Any
     unit: str = ""
     doc: str = ""
 
@@ -54,10 +71,6 @@ class Kind:
         """
         raise AssertionError(f"{type(self).__name__} checks nothing")
 
-    def plain(self, value: Any) -> Any:
-        """The value as MessagePack can carry it."""
-        return value
-
 
 @dataclass(frozen=True)
 class Number(Kind):
@@ -67,7 +80,14 @@ class Number(Kind):
     minimum: float = -math.inf
     maximum: float = math.inf
 
+    @property
+    def wire(self) -> Any:
+        return _bounded(float, self.above, self.minimum, self.maximum)
+
     def check(self, value: Any, name: str) -> float:
+        # The usual case; what is not a number compares false.
+        if type(value) is float and self.above < value < math.inf and self.minimum <= value <= self.maximum:
+            return value
         number = _finite(value, name)
         if number <= self.above or not self.minimum <= number <= self.maximum:
             raise InvalidField(f"{name} is {number:g}, wanted {self._range()}{self.unit and ' ' + self.unit}")
@@ -82,11 +102,21 @@ class Number(Kind):
 
 @dataclass(frozen=True)
 class Vector(Kind):
-    """A read-only float64 array; ``size`` None admits any length."""
+    """A read-only float64 array; ``size`` None admits any length. Those of fixed size are checked in a row."""
 
     size: int | None = 3
     above: float = -math.inf
     minimum: float = -math.inf
+
+    @property
+    def wire(self) -> Any:
+        element = _bounded(float, self.above, self.minimum)
+        # Written so because the number of elements is known at run time only.
+        return (
+            list.__class_getitem__(element)
+            if self.size is None
+            else tuple.__class_getitem__((element,) * self.size)
+        )
 
     @property
     def any_finite(self) -> bool:
@@ -125,9 +155,6 @@ class Vector(Kind):
             )
         return numbers
 
-    def plain(self, value: np.ndarray) -> list[float]:
-        return value.tolist()
-
 
 @dataclass(frozen=True)
 class Quaternion(Vector):
@@ -140,10 +167,11 @@ class Quaternion(Vector):
         return False
 
     def canonical(self, numbers: Sequence[float], name: str) -> Sequence[float]:
-        norm = math.hypot(*numbers)
+        x, y, z, w = numbers
+        norm = math.hypot(x, y, z, w)
         if abs(norm - 1.0) > _QUATERNION_TOLERANCE:
             raise InvalidField(f"{name} has norm {norm:g}, wanted a unit quaternion [x, y, z, w]")
-        return [number / norm for number in numbers]
+        return (x / norm, y / norm, z / norm, w / norm)
 
 
 def read_only(numbers: Sequence[float]) -> np.ndarray:
@@ -157,7 +185,11 @@ def read_only(numbers: Sequence[float]) -> np.ndarray:
 class Integer(Kind):
     """Any integer that MessagePack can carry: 64 bits, signed or unsigned."""
 
-    minimum: int = -(2**63)
+    minimum: int = _LEAST_INTEGER
+
+    @property
+    def wire(self) -> Any:
+        return int if self.minimum == _LEAST_INTEGER else Annotated[int, Meta(ge=self.minimum)]
 
     def check(self, value: Any, name: str) -> int:
         if type(value) is int and self.minimum <= value < _END_OF_INTEGERS:
@@ -172,6 +204,8 @@ class Integer(Kind):
 @dataclass(frozen=True)
 class Boolean(Kind):
     """True or false, nothing that merely counts as such."""
+
+    wire: ClassVar[Any] = bool
 
     def check(self, value: Any, name: str) -> bool:
         if value is True or value is False:
@@ -191,7 +225,13 @@ class Text(Kind):
     choices: tuple[str, ...] = ()
     longest: int = 2000
 
+    @property
+    def wire(self) -> Any:
+        return Literal[self.choices] if self.choices else str
+
     def check(self, value: Any, name: str) -> str:
+        if type(value) is str and value in self.choices:
+            return value
         if not isinstance(value, str):
             raise InvalidField(f"{name} is {shown(value)}, wanted text")
         if self.choices and value not in self.choices:
@@ -203,6 +243,8 @@ class Text(Kind):
 class TextList(Kind):
     """Strings, such as joint names."""
 
+    wire: ClassVar[Any] = tuple[str, ...]
+
     def check(self, value: Any, name: str) -> tuple[str, ...]:
         if isinstance(value, (str, bytes)) or not isinstance(value, Sequence):
             raise InvalidField(f"{name} is {shown(value)}, wanted a list of texts")
@@ -210,15 +252,21 @@ class TextList(Kind):
             raise InvalidField(f"{name} holds something else than text")
         return tuple(value)
 
-    def plain(self, value: tuple[str, ...]) -> list[str]:
-        return list(value)
-
 
 @dataclass(frozen=True)
 class Bytes(Kind):
     """Raw bytes, such as an encoded image."""
 
+    wire: ClassVar[Any] = bytes
+
     def check(self, value: Any, name: str) -> bytes:
         if not isinstance(value, (bytes, bytearray)):
             raise InvalidField(f"{name} is {type(value).__name__}, wanted bytes")
         return bytes(value)
+
+
+def decided(kind: Kind) -> bool:
+    """Whether a value that a decoder has read as the kind's ``wire`` type needs no further check."""
+    return isinstance(kind, (Integer, Boolean, TextList, Bytes)) or (
+        isinstance(kind, Text) and bool(kind.choices)
+    )

@@ -1,18 +1,195 @@
-"""Records: everything that travels, made of the kinds of fields, checked alike when built and when decoded."""
+"""Records: everything that is declared once and checked alike wherever it comes from, built here or decoded.
+
+A record is a ``msgspec`` structure whose fields are declared by their kinds. Building one and decoding one end in the
+same check, and what has passed it is immutable, finite and of the declared shapes.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, field, fields
-from functools import cache
-from typing import Any, NamedTuple, Self
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass
+from math import isfinite
+from struct import Struct
+from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
 
-import numpy as np
+import msgspec
+from msgspec.structs import force_setattr
+from numpy import dtype, float64, frombuffer, ndarray
 
-from shared.schema.fields import FLOAT_ONLY, InvalidField, Kind, Vector, read_only, shown
+from shared.schema.fields import FLOAT_ONLY, InvalidField, Kind, Number, Vector, decided, shown
 
 _SEQUENCES = (list, tuple)
+_FLOAT = dtype(float64)
+
+
+class _Unusual(Exception):
+    """A field is not what it usually is."""
+
+
+class Declared(NamedTuple):
+    """A field as its class declares it; the default ``MISSING`` means that it has to be given."""
+
+    kind: Kind
+    default: Any
+
+
+def of(kind: Kind, *, default: Any = MISSING) -> Any:
+    """A field of this kind; without a default the record must be given it."""
+    return Declared(kind, default)
+
+
+class _Layout(NamedTuple):
+    """What there is to check of a record's fields.
+
+    Attributes:
+        row: name, length and part of the row of each vector of fixed size: they are checked and converted together.
+        pack: packs the row.
+        special: part and kind of those vectors of which more is asked than finite numbers.
+        scalars: names of fields of which only that is asked.
+        others: name and kind of every other field.
+    """
+
+    row: tuple[tuple[str, int, slice], ...]
+    pack: Callable[..., bytes]
+    special: tuple[tuple[slice, Vector], ...]
+    scalars: tuple[str, ...]
+    others: tuple[tuple[str, Kind], ...]
+
+
+def _layout(declared: Mapping[str, Declared], decoded: bool) -> _Layout:
+    """Of a record that is built, or of a decoded one, whose decoder has seen to types, lengths and bounds."""
+    row, special, scalars, others = [], [], [], []
+    size = 0
+    for name, (kind, _) in declared.items():
+        if isinstance(kind, Vector) and kind.size is not None:
+            part = slice(size, size := size + kind.size)
+            row.append((name, kind.size, part))
+            if not kind.any_finite and not (decoded and type(kind) is Vector):
+                special.append((part, kind))
+        elif decoded and isinstance(kind, Number):
+            scalars.append(name)
+        elif not (decoded and decided(kind)):
+            others.append((name, kind))
+    return _Layout(tuple(row), Struct(f"{size}d").pack, tuple(special), tuple(scalars), tuple(others))
+
+
+@dataclass_transform(field_specifiers=(of,), frozen_default=True, eq_default=False)
+class _Declaring(msgspec.StructMeta):
+    """Makes a structure of the declared fields, and has each object checked that is built."""
+
+    def __new__(mcls, name: str, bases: tuple[type, ...], namespace: dict[str, Any]) -> Any:
+        declared = {key: value for key, value in namespace.items() if isinstance(value, Declared)}
+        namespace["__annotations__"] = {key: kind.wire for key, (kind, _) in declared.items()}
+        for key, (_, default) in declared.items():
+            if default is MISSING:
+                del namespace[key]
+            else:
+                namespace[key] = default
+        namespace["_declared"] = declared
+        namespace["_built"], namespace["_decoded"] = _layout(declared, False), _layout(declared, True)
+        return super().__new__(mcls, name, bases, namespace, frozen=True, eq=False)
+
+    def __call__(cls, *args: Any, **fields: Any) -> Any:  # noqa: N805 (of a metaclass)
+        record = msgspec.StructMeta.__call__(cls, *args, **fields)
+        record.settle()
+        return record
+
+
+class Record(msgspec.Struct, metaclass=_Declaring):
+    """Base of everything that travels or is kept: every field is checked when the object comes into being."""
+
+    _declared: ClassVar[dict[str, Declared]]
+    _built: ClassVar[_Layout]
+    _decoded: ClassVar[_Layout]
+
+    def settle(self, decoded: bool = False) -> None:
+        """Check every field and bring it into its canonical form: once, right after the fields were set.
+
+        Args:
+            decoded: a decoder of this class has set them.
+
+        Raises:
+            InvalidField: one of them is not of its kind.
+        """
+        row, pack, special, scalars, others = self._decoded if decoded else self._built
+        try:
+            if row:
+                numbers: list[float] = []
+                for name, size, _ in row:
+                    value = getattr(self, name)
+                    if not decoded:
+                        if type(value) is ndarray and value.dtype is _FLOAT:
+                            value = value.tolist()
+                        elif type(value) not in _SEQUENCES or not set(map(type, value)) <= FLOAT_ONLY:
+                            raise _Unusual
+                        if len(value) != size:
+                            raise _Unusual
+                    numbers += value
+                # Floats with a finite sum are finite floats.
+                if not isfinite(sum(numbers)):
+                    raise _Unusual
+                for part, kind in special:
+                    own = numbers[part]
+                    if (canonical := kind.canonical(own, "")) is not own:
+                        numbers[part] = canonical
+                # An array over bytes cannot be written to, and takes half the time of one made of a list.
+                array = frombuffer(pack(*numbers))
+                for name, _, part in row:
+                    force_setattr(self, name, array[part])
+            for name in scalars:
+                if not isfinite(getattr(self, name)):
+                    raise _Unusual
+        except (_Unusual, InvalidField, TypeError):
+            # One by one: that finds out whether it is allowed, or why not.
+            others = tuple((name, kind) for name, (kind, _) in self._declared.items())
+        for name, one in others:
+            value = getattr(self, name)
+            checked = one.check(value, name)
+            if checked is not value:
+                force_setattr(self, name, checked)
+        self.check()
+
+    def check(self) -> None:
+        """Check what concerns several fields together.
+
+        Raises:
+            InvalidField: with the reason.
+        """
+
+    @classmethod
+    def trusted(cls, *values: Any) -> Self:
+        """A record of all values in their order, without any check: for what the program itself has made."""
+        record: Self = msgspec.StructMeta.__call__(cls, *values)
+        return record
+
+    @classmethod
+    def kinds(cls) -> tuple[tuple[str, Kind, Any], ...]:
+        """Name, kind and default (``MISSING`` if it has to be given) of each field."""
+        return tuple((name, *declared) for name, declared in cls._declared.items())
+
+    @classmethod
+    def from_plain(cls, data: Mapping[Any, Any], prefix: str = "") -> Self:
+        """The record of a map, as decoded or read from a file; unknown fields are ignored.
+
+        Raises:
+            InvalidField: a field is missing, or not of its kind.
+        """
+        for name, (_, default) in cls._declared.items():
+            if default is MISSING and name not in data:
+                raise InvalidField(f"{prefix}{name} is missing")
+        try:
+            return cls(**{name: data[name] for name in cls._declared if name in data})
+        except InvalidField as problem:
+            raise InvalidField(f"{prefix}{problem}") from None
+
+    def to_plain(self) -> dict[str, Any]:
+        """The record as a map of builtin types."""
+        plain: dict[str, Any] = msgspec.to_builtins(self, enc_hook=ndarray.tolist, builtin_types=(bytes,))
+        return plain
+
+    def replaced(self, **changes: Any) -> Self:
+        """The record with some fields changed."""
+        return type(self)(**{name: getattr(self, name) for name in self._declared} | changes)
 
 
 @dataclass(frozen=True)
@@ -32,9 +209,6 @@ class RecordOf(Kind):
             raise InvalidField(f"{name} is {shown(value)}, wanted a map")
         return self.record.from_plain(value, f"{name}.")
 
-    def plain(self, value: Record | None) -> dict[str, Any] | None:
-        return None if value is None else value.to_plain()
-
 
 @dataclass(frozen=True)
 class MapOf(Kind):
@@ -48,130 +222,3 @@ class MapOf(Kind):
             raise InvalidField(f"{name} is {shown(value)}, wanted a map with text keys")
         one = RecordOf(record=self.record)
         return {key: one.check(item, f"{name}[{shown(key)}]") for key, item in value.items()}
-
-    def plain(self, value: dict[str, Record]) -> dict[str, Any]:
-        return {key: item.to_plain() for key, item in value.items()}
-
-
-def of(kind: Kind, default: Any = MISSING) -> Any:
-    """A dataclass field of this kind; without a default the message must carry it."""
-    return field(default=default, metadata={"kind": kind})
-
-
-class _Place(NamedTuple):
-    """A field of a record; ``part`` is its share of all vectors of fixed size in a row, None for every other kind."""
-
-    name: str
-    kind: Kind
-    default: Any
-    part: slice | None
-
-
-class _Layout(NamedTuple):
-    """The fields of a record class in their order, those that are vectors of fixed size, and those to convert."""
-
-    places: tuple[_Place, ...]
-    vectors: tuple[tuple[str, Vector, Any], ...]
-    unplain: tuple[tuple[str, Kind], ...]
-
-
-def _in_a_row(vectors: tuple[tuple[str, Vector, Any], ...], data: Mapping[Any, Any]) -> np.ndarray | None:
-    """All vectors of fixed size, checked and converted together in a third of the time that they take one by one.
-
-    None if any of them is not what is usual: the checks one by one find out whether it is allowed, and say why not.
-    """
-    numbers: list[float] = []
-    changes: list[tuple[int, Vector]] = []
-    for name, kind, default in vectors:
-        value = data.get(name, default)
-        if type(value) is np.ndarray and value.ndim == 1:
-            value = value.tolist()
-        if type(value) not in _SEQUENCES or len(value) != kind.size:
-            return None
-        if not kind.any_finite:
-            changes.append((len(numbers), kind))
-        numbers += value
-    # Floats with a finite sum are finite floats.
-    if not (set(map(type, numbers)) <= FLOAT_ONLY and math.isfinite(sum(numbers))):
-        return None
-    try:
-        for begin, kind in changes:
-            part = slice(begin, begin + (kind.size or 0))
-            numbers[part] = kind.canonical(numbers[part], "")
-    except InvalidField:
-        return None
-    return read_only(numbers)
-
-
-@dataclass(frozen=True, eq=False)
-class Record:
-    """Base of everything that travels: every field is checked when the object is built."""
-
-    def __post_init__(self) -> None:
-        values = vars(self)
-        self._fill(values, values)
-        self.check()
-
-    def check(self) -> None:
-        """Check what concerns several fields together.
-
-        Raises:
-            InvalidField: with the reason.
-        """
-
-    @classmethod
-    @cache
-    def kinds(cls) -> tuple[tuple[str, Kind, Any], ...]:
-        """Name, kind and default (``MISSING`` if it has to be given) of each field."""
-        return tuple((item.name, item.metadata["kind"], item.default) for item in fields(cls))
-
-    @classmethod
-    @cache
-    def _layout(cls) -> _Layout:
-        places = []
-        vectors = []
-        begin = 0
-        for name, kind, default in cls.kinds():
-            part = None
-            if isinstance(kind, Vector) and kind.size is not None:
-                part = slice(begin, begin := begin + kind.size)
-                vectors.append((name, kind, default))
-            places.append(_Place(name, kind, default, part))
-        unplain = tuple((name, kind) for name, kind, _ in cls.kinds() if type(kind).plain is not Kind.plain)
-        return _Layout(tuple(places), tuple(vectors), unplain)
-
-    @classmethod
-    def from_plain(cls, data: dict[Any, Any], prefix: str = "") -> Self:
-        """The record of a decoded map; unknown fields are ignored.
-
-        Raises:
-            InvalidField: a field is missing, or not of its kind.
-        """
-        # Filled in directly: the generated constructor would take as long again as all the checks.
-        record = object.__new__(cls)
-        try:
-            cls._fill(vars(record), data)
-            record.check()
-        except InvalidField as problem:
-            raise InvalidField(f"{prefix}{problem}") from None
-        return record
-
-    @classmethod
-    def _fill(cls, values: dict[str, Any], data: Mapping[Any, Any]) -> None:
-        layout = cls._layout()
-        row = _in_a_row(layout.vectors, data) if layout.vectors else None
-        for name, kind, default, part in layout.places:
-            if row is not None and part is not None:
-                values[name] = row[part]
-                continue
-            value = data.get(name, default)
-            if value is MISSING:
-                raise InvalidField(f"{name} is missing")
-            values[name] = kind.check(value, name)
-
-    def to_plain(self) -> dict[str, Any]:
-        """The record as a map that MessagePack can carry."""
-        plain = vars(self).copy()
-        for name, kind in self._layout().unplain:
-            plain[name] = kind.plain(plain[name])
-        return plain

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, TypeVar
 
 import msgpack
+import msgspec
+import numpy as np
 
 from shared.messages import Header
 from shared.schema.fields import InvalidField
@@ -14,6 +17,10 @@ MAP_CAP = 64 * 1024
 """Largest payload [bytes] of a query, and of every message that is not an image."""
 
 _TEXT_ONLY = {str}
+_MALFORMED = (ValueError, TypeError, OverflowError, RecursionError, msgspec.MsgspecError)
+"""What a payload that nobody expected can cause in a decoder."""
+_SMALL_MAP = 15
+"""So many entries of a map are counted in its first byte."""
 
 M = TypeVar("M", bound=Record)
 
@@ -38,9 +45,30 @@ class Rejected(ValueError):
     """A payload is not a message of the contract; the text says why. It must be counted and never used."""
 
 
+_encoder = msgspec.msgpack.Encoder(enc_hook=np.ndarray.tolist)
+
+
+@cache
+def _joint(message: type[Record]) -> tuple[bytes, int]:
+    """What begins the map of header and message, and how many bytes begin that of the message alone."""
+    count = len(message.kinds())
+    both = count + len(Header.kinds())
+    start = bytes((0x80 | both,)) if both <= _SMALL_MAP else b"\xde" + both.to_bytes(2, "big")
+    return start, 1 if count <= _SMALL_MAP else 3
+
+
 def encode(message: Record, header: Header) -> bytes:
     """The payload of a message."""
-    return msgpack.packb(header.to_plain() | message.to_plain())
+    start, cut = _joint(type(message))
+    return start + _encoder.encode(header)[1:] + _encoder.encode(message)[cut:]
+
+
+@cache
+def _decoder(record: type[M]) -> msgspec.msgpack.Decoder[M]:
+    return msgspec.msgpack.Decoder(record)
+
+
+_header_decoder = _decoder(Header)
 
 
 def decode(message_class: type[M], payload: bytes, cap: int = MAP_CAP) -> tuple[Header, M]:
@@ -49,12 +77,21 @@ def decode(message_class: type[M], payload: bytes, cap: int = MAP_CAP) -> tuple[
     Raises:
         Rejected: too large, no MessagePack map, a field missing, of wrong type or shape, or not finite.
     """
-    if isinstance(payload, Payload) and len(payload) <= cap:
+    if len(payload) > cap:
+        raise Rejected(_too_large(payload, cap))
+    if isinstance(payload, Payload):
         header, message = payload.content
         if isinstance(message, message_class):
             return header, message
-    data = decode_map(payload, cap)
     try:
+        header, message = _header_decoder.decode(payload), _decoder(message_class).decode(payload)
+        header.settle(decoded=True)
+        message.settle(decoded=True)
+        return header, message
+    except _MALFORMED:
+        data = decode_map(payload, cap)
+    try:
+        # Once more, now to say what is wrong with it.
         return Header.from_plain(data), message_class.from_plain(data)
     except InvalidField as problem:
         raise Rejected(str(problem)) from None
@@ -72,7 +109,7 @@ def decode_map(payload: bytes, cap: int = MAP_CAP) -> dict[str, Any]:
         Rejected: too large, not MessagePack, or not such a map.
     """
     if len(payload) > cap:
-        raise Rejected(f"{len(payload)} bytes, at most {cap} are allowed")
+        raise Rejected(_too_large(payload, cap))
     try:
         data = msgpack.unpackb(payload)
     except (ValueError, msgpack.exceptions.UnpackException, OverflowError, TypeError) as problem:
@@ -80,3 +117,7 @@ def decode_map(payload: bytes, cap: int = MAP_CAP) -> dict[str, Any]:
     if not isinstance(data, dict) or not set(map(type, data)) <= _TEXT_ONLY:
         raise Rejected(f"{type(data).__name__}, wanted a map with text keys")
     return data
+
+
+def _too_large(payload: bytes, cap: int) -> str:
+    return f"{len(payload)} bytes, at most {cap} are allowed"
