@@ -10,7 +10,6 @@ import sys
 from collections.abc import Sequence
 
 from benchmarks.experiment_stack import play_run
-from services.experiment.carry.allowance import certified
 from services.experiment.carry.carry_measures import measure
 from services.experiment.carry.experiment import CARRY
 from services.experiment.carry.notes import notes
@@ -42,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     measured = {}
     for run in runs:
         print(f"playing {run.name} ...", file=sys.stderr, flush=True)
-        measured[run.name] = measure(play_run(CARRY, run), certified)
+        measured[run.name] = measure(play_run(CARRY, run))
     for table in tables(measured):
         print(markdown(table))
     for note in notes(measured):

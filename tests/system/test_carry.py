@@ -7,7 +7,6 @@ from functools import cache
 import pytest
 
 from benchmarks.experiment_stack import play_run
-from services.experiment.carry.allowance import certified
 from services.experiment.carry.carry_claims import judge
 from services.experiment.carry.carry_measures import Measures, measure
 from services.experiment.carry.experiment import CARRY
@@ -19,7 +18,7 @@ NAMES = (*(run.name for run in CARRY.runs), "certified-differential", "paper-dif
 
 @cache
 def measured(name: str) -> Measures:
-    return measure(play_run(CARRY, CARRY.run_named(name)), certified)
+    return measure(play_run(CARRY, CARRY.run_named(name)))
 
 
 def claims(*names: str) -> list[Claim]:

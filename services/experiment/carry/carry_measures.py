@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.experiment.carry.allowance import Certify
+from services.experiment.carry.allowance import Certified
 from services.experiment.carry.asked import Asked, asked
 from services.experiment.carry.carry_protocol import GUIDANCE
 from services.experiment.carry.effort import Effort, effort
@@ -66,13 +66,8 @@ class Measures:
     unhealthy: float
 
 
-def measure(recording: Recording, certify: Certify) -> Measures:
+def measure(recording: Recording) -> Measures:
     """Takes the figures of one run.
-
-    Args:
-        recording: of it.
-        certify: asks what the run's controller allows, if it runs the certified law; `allowance.certified` starts a
-            process for that.
 
     Raises:
         KeyError: a topic or a field is not in the recording.
@@ -94,10 +89,10 @@ def measure(recording: Recording, certify: Certify) -> Measures:
     braked = tuple(brake for brake in brakes(recording) if brake.end >= span.start and brake.start < end)
     allowance = None
     if recording.meta["law"] == "certified":
-        allowance = certify(
+        allowance = Certified.of(
             recording.meta["settings"]["controller"],
-            wrenches.limit.min(axis=0).tolist(),
-            wrenches.error.max(axis=0).tolist(),
+            wrenches.limit.min(axis=0),
+            wrenches.error.max(axis=0),
             attitudes(recording, span.start, end),
         )
     return Measures(

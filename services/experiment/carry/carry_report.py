@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from services.experiment.carry import carry_figures as figures
-from services.experiment.carry.allowance import certified
 from services.experiment.carry.carry_claims import judge
 from services.experiment.carry.carry_measures import Measures, measure
 from services.experiment.carry.carry_protocol import (
@@ -42,7 +41,7 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
         FileNotFoundError: no recording under `folder`.
         ValueError: no run was played to the end.
     """
-    played = measure_all(folder, _known(), f"LAW-BASE (as in {RUNS[0].name})", _measured)
+    played = measure_all(folder, _known(), f"LAW-BASE (as in {RUNS[0].name})", measure)
     runs, recordings, measured = played.runs, played.recordings, played.figures
     claims, compared = judge(runs, measured), tables(measured)
     problems = [*played.unfinished, *disturbances(measured)]
@@ -72,10 +71,6 @@ def write(folder: Path, commands: Sequence[str] = ()) -> Report:
         compared,
     )
     return conclude(folder, text, claims, measured, problems, played.unfinished, compared)
-
-
-def _measured(recording: Recording) -> Measures:
-    return measure(recording, certified)
 
 
 def _scenes(folder: Path, runs: Mapping[str, Run]) -> dict[str, Path]:

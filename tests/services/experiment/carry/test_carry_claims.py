@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 from services.experiment.carry.carry_claims import judge
-from services.experiment.carry.carry_measures import Measures
+from services.experiment.carry.carry_measures import Measures, measure
 from services.experiment.carry.carry_protocol import GUIDANCE, SCRIPTS, run_named
 from services.experiment.play.recording import Recording
 from services.sim.scene.script import read
 from tests.services.experiment.carry import defects
-from tests.services.experiment.carry.conftest import Measure
 from tests.services.experiment.carry.defects import Defect, add
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
@@ -36,10 +35,10 @@ def spoilt(carried: Recording, defect: Defect) -> Recording:
 
 
 class TestCarry:
-    def test_a_good_one_passes_every_claim(self, carried: Recording, measure: Measure) -> None:
+    def test_a_good_one_passes_every_claim(self, carried: Recording) -> None:
         assert failed(measure(carried)) == []
 
-    def test_messages_that_arrive_in_bunches_are_no_fall(self, carried: Recording, measure: Measure) -> None:
+    def test_messages_that_arrive_in_bunches_are_no_fall(self, carried: Recording) -> None:
         recording = copy.deepcopy(carried)
         world = recording.topics[WORLD]
         late = np.ceil(world["time"] / 0.15) * 0.15
@@ -100,50 +99,40 @@ class TestCarry:
         ],
         ids=lambda value: getattr(value, "__name__", None) if callable(value) else "",
     )
-    def test_a_defect_fails_its_claim(
-        self, carried: Recording, measure: Measure, defect: Defect, claims: set[str]
-    ) -> None:
+    def test_a_defect_fails_its_claim(self, carried: Recording, defect: Defect, claims: set[str]) -> None:
         assert claims <= set(failed(measure(spoilt(carried, defect))))
 
-    def test_what_brakes_bring_is_told_and_left_out_but_not_if_it_is_much(
-        self, carried: Recording, measure: Measure
-    ) -> None:
+    def test_what_brakes_bring_is_told_and_left_out_but_not_if_it_is_much(self, carried: Recording) -> None:
         found = measure(spoilt(carried, defects.brakes(0.05)))
         assert failed(found) == []
         assert len(found.brakes) == 8 and found.excess.braked_peak > 1.9
         often = measure(spoilt(carried, defects.brakes(0.4)))
         assert failed(often) == ["hardly ever over 1.5 limits"]
 
-    def test_to_rest_for_a_moment_shows_nothing(self, carried: Recording, measure: Measure) -> None:
+    def test_to_rest_for_a_moment_shows_nothing(self, carried: Recording) -> None:
         found = measure(carried)
         for resting, failing in ((3.1, []), (2.9, ["at rest: within every limit"])):
             excess = dataclasses.replace(found.excess, resting=resting)
             assert failed(dataclasses.replace(found, excess=excess)) == failing
 
-    def test_the_panel_may_be_let_go_of_in_releasing_and_retreating_only(
-        self, carried: Recording, measure: Measure
-    ) -> None:
+    def test_the_panel_may_be_let_go_of_in_releasing_and_retreating_only(self, carried: Recording) -> None:
         found = measure(carried)
         for state in ("carrying", "holding", "grasping"):
             assert failed(dataclasses.replace(found, let_go_in=state)) == ["never drops the panel"]
         for state in ("releasing", "retreating"):
             assert failed(dataclasses.replace(found, let_go_in=state)) == []
 
-    def test_every_law_has_to_be_asked_for_the_stated_limits(
-        self, carried: Recording, measure: Measure
-    ) -> None:
+    def test_every_law_has_to_be_asked_for_the_stated_limits(self, carried: Recording) -> None:
         found = measure(spoilt(carried, defects.asks_for_more))
         for law in ("certified", "paper", "stiffness"):
             assert "asks for the stated limits" in failed(found, f"{law}-omni")
 
     def test_a_baseline_that_keeps_its_limits_fails_the_claim_that_it_does_not(
-        self, carried: Recording, measure: Measure
+        self, carried: Recording
     ) -> None:
         assert failed(measure(carried), "stiffness-omni") == ["baseline: breaks its limits"]
 
-    def test_the_comparison_follows_the_figures_not_the_names(
-        self, carried: Recording, measure: Measure
-    ) -> None:
+    def test_the_comparison_follows_the_figures_not_the_names(self, carried: Recording) -> None:
         found = measure(carried)
         names = ("certified-omni", "paper-omni")
         for factor, passed in ((0.5, True), (1.5, False)):
@@ -161,36 +150,30 @@ class TestCarry:
             )
             assert [claim.passed for claim in claims if claim.run == ", ".join(names)] == [passed] * 4
 
-    def test_what_the_motion_allows_is_no_claim_but_its_share_is_told(
-        self, carried: Recording, measure: Measure
-    ) -> None:
+    def test_what_the_motion_allows_is_no_claim_but_its_share_is_told(self, carried: Recording) -> None:
         assert measure(carried).excess.used < 0.5
         kicked = spoilt(carried, add(WRENCH, "force", (0.0, 90.0, 0.0), 37.0, 37.1))
         assert measure(kicked).excess.used > 1.0
 
-    def test_going_back_from_releasing_to_carrying_is_allowed(
-        self, carried: Recording, measure: Measure
-    ) -> None:
+    def test_going_back_from_releasing_to_carrying_is_allowed(self, carried: Recording) -> None:
         found = measure(carried)
         states = [*found.states]
         states[6:6] = [("releasing", 50.0), ("carrying", 51.0)]
         assert failed(dataclasses.replace(found, states=tuple(states))) == []
 
     def test_fingers_that_touch_the_panel_before_they_hold_it_have_not_dropped_it(
-        self, carried: Recording, measure: Measure
+        self, carried: Recording
     ) -> None:
         assert failed(measure(spoilt(carried, defects.touched_before))) == []
 
-    def test_a_carry_that_was_broken_off_is_refused_by_name(
-        self, carried: Recording, measure: Measure
-    ) -> None:
+    def test_a_carry_that_was_broken_off_is_refused_by_name(self, carried: Recording) -> None:
         short = copy.deepcopy(carried)
         short.events = [event for event in short.events if event.name != "end"]
         with pytest.raises(ValueError, match=r"certified-omni.*'end'"):
             measure(short)
 
     def test_a_panel_that_was_never_grasped_is_refused_with_the_task_s_reason(
-        self, carried: Recording, measure: Measure
+        self, carried: Recording
     ) -> None:
         empty = copy.deepcopy(carried)
         empty.topics["state/gripper"]["holding"][:] = False

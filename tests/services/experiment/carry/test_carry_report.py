@@ -12,13 +12,13 @@ import pytest
 
 from services.experiment.carry import carry_figures as figures
 from services.experiment.carry import carry_report as report
+from services.experiment.carry.carry_measures import measure
 from services.experiment.carry.carry_protocol import run_named
 from services.experiment.carry.phases import parts
 from services.experiment.carry.tables import tables
 from services.experiment.main import main
 from services.experiment.play.recording import RECORDING, Recording
 from tests.services.experiment.carry import defects
-from tests.services.experiment.carry.conftest import Measure
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 
@@ -61,7 +61,7 @@ def test_the_page_says_which_speed_was_used_and_what_it_allows(folder: Path) -> 
 
 
 def test_tables_compare_the_runs_axis_by_axis_and_movement_by_movement(
-    folder: Path, carried: Recording, measure: Measure
+    folder: Path, carried: Recording
 ) -> None:
     page = (folder / "index.html").read_text()
     found = measure(carried)
@@ -83,9 +83,7 @@ def test_tables_compare_the_runs_axis_by_axis_and_movement_by_movement(
     assert ours[0][1:4] == ["pull", "0.50 m", "100 %"] and ours[-1][2] == "90°" and ours[-1][5] == "–"
 
 
-def test_a_carry_that_did_not_get_there_has_its_row_all_the_same(
-    carried: Recording, measure: Measure
-) -> None:
+def test_a_carry_that_did_not_get_there_has_its_row_all_the_same(carried: Recording) -> None:
     recording = copy.deepcopy(carried)
     defects.stuck(recording)
     recording.topics["sim/world"]["hand.doing"][:] = "wait"
@@ -114,7 +112,7 @@ def test_a_carry_that_was_dropped_fails_the_command_and_is_drawn_all_the_same(
     assert "✗ fail" in (tmp_path / "index.html").read_text()
 
 
-def test_a_panel_that_was_never_let_go_can_be_drawn(carried: Recording, measure: Measure) -> None:
+def test_a_panel_that_was_never_let_go_can_be_drawn(carried: Recording) -> None:
     held = copy.deepcopy(carried)
     defects.never_let_go(held)
     found = measure(held)
@@ -122,7 +120,7 @@ def test_a_panel_that_was_never_let_go_can_be_drawn(carried: Recording, measure:
         assert draw(run_named("certified-omni"), held, found).axes
 
 
-def test_the_parts_are_those_of_the_script_in_its_order(carried: Recording, measure: Measure) -> None:
+def test_the_parts_are_those_of_the_script_in_its_order(carried: Recording) -> None:
     names = [part.name for part in parts(measure(carried))]
     assert names == [
         *("grasp", "lift", "pull", "push", "left", "right", "twist", "twist back", "turn", "lower"),
