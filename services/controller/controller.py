@@ -10,7 +10,7 @@ import numpy as np
 
 from services.controller.laws.choice import LawInput, LawOutput, make_law
 from services.controller.laws.qp import Timer, no_timer
-from services.controller.limits_in_force import Agreement
+from services.controller.limits_in_force import LimitsInForce
 from services.controller.parameters import ControllerParameters
 from shared.faults import Fault
 from shared.loop.halt import Halt
@@ -63,7 +63,7 @@ class Controller:
         self._timer = timer
         self.law = make_law(parameters, timer)
         self._halt = Halt()
-        self._agreement = Agreement()
+        self._in_force = LimitsInForce()
         self._target: ControlTarget | None = None
         self._robot_session: int | None = None
         self._restarted = False
@@ -84,7 +84,7 @@ class Controller:
         measured = self._measured = np.concatenate((wrench.force, wrench.torque))
         self._error_bound = wrench.error_bound
         if self._target is not None:
-            self._agreement.follow(self._limit, self._nominal, dt)
+            self._in_force.follow(self._limit, self._nominal, dt)
         holding = self._holding()
         if holding is not None:
             return self._rest(*holding, dt)
@@ -167,11 +167,11 @@ class Controller:
         self, measured: Array, wrench: ExternalWrench, tool: EndEffector, dt: float
     ) -> Iterator[Output]:
         assert self._target is not None
-        nominal = self._agreement.nominal
+        nominal = self._in_force.nominal
         output = self.law.step(
             LawInput(
                 wrench=measured - nominal,
-                limit=self._agreement.limit,
+                limit=self._in_force.limit,
                 error_bound=wrench.error_bound,
                 position=tool.position,
                 rotation=rotation_matrix(tool.orientation),

@@ -10,7 +10,7 @@ _RAMP_RATE = 2.0
 """Change per second in shares of the limit: a limit is halved in 0.35 s, the nominal wrench moves by it in 0.5 s."""
 
 
-class Agreement:
+class LimitsInForce:
     """Follows the target's limits and nominal wrench.
 
     A limit that rises holds at once. One that falls, and the nominal wrench, are ramped: until then the promise is the

@@ -34,7 +34,7 @@ _RISE, _FALL = 0.1, 0.5
 """Time constants in response times: quicker to believe in a stiffer contact than in a softer one."""
 
 
-class Softness:
+class ContactSoftness:
     """Regression of the wrench on the displacement that was commanded, and on time.
 
     Over the last 2.5 D, ``w(t) = w_0 + c t - K x(t)``: c is what the environment's motion adds, K the stiffness along

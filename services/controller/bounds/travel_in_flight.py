@@ -21,7 +21,7 @@ _INSTANT = 1e-9
 """Times closer than this [s] are equal."""
 
 
-class Travel:
+class TravelInFlight:
     """Commanded travel still in flight, per axis and per sense; never nets one sense against the other.
 
     The robot is a delay d and a lag tau of unit area: of a command given at age ``a`` the share ``exp(-(a - d)/tau)``

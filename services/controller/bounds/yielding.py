@@ -11,7 +11,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
-from services.controller.bounds.contact_softness import Softness
+from services.controller.bounds.contact_softness import ContactSoftness
 from services.controller.bounds.stiffness_bound import StiffnessBound
 from services.controller.bounds.yield_input import Vector, YieldInput
 
@@ -127,7 +127,7 @@ class RoundedYield(Yielding):
 
     At rest the distance is measured in the room left above the box, which is what the rounded caps share out. Once the
     environment has moved it is measured in ``sqrt(Kbar_ii)``, in which no axis is much stiffer than another, and
-    answered according to the stiffness that the contact shows (``Softness``): that follows faster. It stays so until
+    answered according to the stiffness that the contact shows (``ContactSoftness``): that follows faster. It stays so until
     the wrench is back in the box.
 
     Attributes:
@@ -139,7 +139,7 @@ class RoundedYield(Yielding):
         super().__init__()
         self.distance = [0.0] * 6
         self.moved = False
-        self._softness = Softness()
+        self._softness = ContactSoftness()
 
     @property
     def at_rest(self) -> bool:
@@ -153,7 +153,7 @@ class RoundedYield(Yielding):
         scale = bound.roots if self.moved else caps.room
         y = down_the_gradient(w, caps.start, scale, bound, state.response_time)
         if self.moved and y is None and self._integral.slower_than(_FOLLOWED):
-            self.moved, self._softness = False, Softness()
+            self.moved, self._softness = False, ContactSoftness()
         if y is None and self._integral.at_rest:
             return None
         if self.moved:
@@ -163,7 +163,7 @@ class RoundedYield(Yielding):
 
     def brake(self, response_time: float, dt: float) -> None:
         super().brake(response_time, dt)
-        self._softness = Softness()
+        self._softness = ContactSoftness()
         if self._integral.slower_than(_FOLLOWED):
             self.moved = False  # a wrench beyond the wall will prove it again
 

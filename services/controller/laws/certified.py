@@ -4,7 +4,7 @@
 ``|w_i|`` through Kbar; ``y`` is the yielding, which keeps the same rows unless the environment has moved. Strict
 (``yield_start`` = 1) and rounded (< 1) differ in where y begins and in the caps (docs/guarantee.md, "The law").
 
-Twelve-vectors run over the directions of ``Travel``: element i is motion that makes w_i grow (q_i), element 6 + i
+Twelve-vectors run over the directions of ``TravelInFlight``: element i is motion that makes w_i grow (q_i), element 6 + i
 motion that makes it fall (p_i); row i keeps w_i below its cap, row 6 + i keeps -w_i below it.
 """
 
@@ -95,8 +95,8 @@ class CertifiedLaw(Law):
 
     def _move(self, state: LawInput, error: Array, length: float, dt: float) -> LawOutput:
         error_bound = state.error_bound
-        if self.box.payload:
-            error_bound = error_bound + self.box.inertial_force
+        if self.speed_box.payload:
+            error_bound = error_bound + self.speed_box.inertial_force
         self.caps.update(state.limit, error_bound)
         if self.caps.refusal is not None:
             return LawOutput(self._rest, failure=self.caps.refusal)
@@ -156,12 +156,12 @@ class CertifiedLaw(Law):
         if not self._yielding.at_rest or any(map(operator.gt, map(abs, w), caps.threshold)):
             displacement = min(dt, self.parameters.period) * self.twist
             y = self._yielding.step(
-                YieldInput(w, caps, self.bound, self.box.speed, displacement, self.response_time, dt)
+                YieldInput(w, caps, self.bound, self.speed_box.speed, displacement, self.response_time, dt)
             )
         if y is None:
             self._y.fill(0.0)
             return False
-        reach = self.box.reach
+        reach = self.speed_box.reach
         if self._yielding.moved:
             np.clip(y, -reach[:6], reach[6:], out=self._y)
         else:  # shortened as a whole, it still goes down the gradient
@@ -222,10 +222,10 @@ class CertifiedLaw(Law):
         self._tightest = min(room.tolist())
         upper = self._upper
         if yields:  # the speed box leaves what y does not use; y against a direction frees none of it
-            np.subtract(self.box.reach, self._y_speeds, upper)
+            np.subtract(self.speed_box.reach, self._y_speeds, upper)
             np.minimum(self._reserved, upper, out=upper)
         else:
-            np.minimum(self._reserved, self.box.reach, out=upper)
+            np.minimum(self._reserved, self.speed_box.reach, out=upper)
         return self._tightest <= 0.0
 
     def _solve(self, error: Array, length: float, yields: bool) -> Array:

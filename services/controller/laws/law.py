@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from services.controller.bounds.travel_in_flight import Travel
+from services.controller.bounds.travel_in_flight import TravelInFlight
 from services.controller.laws.qp import TOLERANCE, Qp, QpFailure, Timer, no_timer
 from services.controller.laws.speed_box import SpeedBox
 from services.controller.parameters import ControllerParameters
@@ -120,10 +120,10 @@ class Law(ABC):
         self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None
     ) -> None:
         self.parameters = parameters
-        self.box = SpeedBox(parameters)
+        self.speed_box = SpeedBox(parameters)
         self.last_failure: dict[str, Any] | None = None
         if previous is None:
-            self.travel = Travel(parameters.period, parameters.delay, parameters.lag)
+            self.travel = TravelInFlight(parameters.period, parameters.delay, parameters.lag)
         else:
             self.last_failure = previous.last_failure
             self.travel = previous.travel
@@ -154,7 +154,7 @@ class Law(ABC):
         )
         if not size + square < _ABSURD:  # nor if it is not a number
             return self._finish(LawOutput(self._rest, failure="an input is not finite"))
-        self.box.update(state.rotation, self.travel.speeds, dt)
+        self.speed_box.update(state.rotation, self.travel.speeds, dt)
         output = self._move(state, error, math.sqrt(square), dt)
         output.error, output.lyapunov = error, 0.5 * square
         output.lyapunov_rate = self.parameters.lyapunov_rate
@@ -175,7 +175,7 @@ class Law(ABC):
         return failure.reason
 
     def _finish(self, output: LawOutput) -> LawOutput:
-        twist = self.box.shortened(output.twist)
+        twist = self.speed_box.shortened(output.twist)
         if twist is None:
             output = LawOutput(self._rest, failure="the twist is not finite")
             twist = self._rest.copy()

@@ -34,7 +34,7 @@ class BoxLaw(Law):
         """The law's own bounds l, u (6,) [m/s, rad/s], before the speed limits."""
 
     def _move(self, state: LawInput, error: Array, length: float, dt: float) -> LawOutput:
-        qp, reach = self.qp, self.box.reach
+        qp, reach = self.qp, self.speed_box.reach
         own_lower, own_upper = self._bounds(state, error)
         # A bound beyond the speed limits closes on them: the box is never empty.
         lower = np.minimum(np.maximum(own_lower, -reach[:6]), reach[6:])

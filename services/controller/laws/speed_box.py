@@ -32,7 +32,7 @@ class SpeedBox:
     ``max_acceleration`` times the interval, beyond it.
 
     Attributes:
-        reach: (12,) largest speeds [m/s, rad/s] in the twelve directions (see ``Travel``).
+        reach: (12,) largest speeds [m/s, rad/s] in the twelve directions (see ``TravelInFlight``).
         speed: (6,), the speed limits alone.
         payload: whether there is one beyond the sensor.
         inertial_force: (6,) [N, 0] that accelerating the payload can add to the measured wrench.

@@ -1,4 +1,4 @@
-"""Softness: the stiffness that a contact shows is found from the tool's own motion, and never beyond its bounds."""
+"""The softness of a contact: the stiffness that a contact shows is found from the tool's own motion, and never beyond its bounds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.controller.bounds.contact_softness import FIRST_SHARE, Softness
+from services.controller.bounds.contact_softness import FIRST_SHARE, ContactSoftness
 from services.controller.bounds.yield_input import YieldInput
 
 D, DT = 0.05, 0.005
@@ -31,7 +31,7 @@ def learnt(share: float, drift: np.ndarray, noise: float = 0.0, steps: int = 200
     rng = np.random.default_rng(0)
     direction = np.array((1.0, 0.0, 0.0, 0.0, 0.8, 0.0)) / SCALE
     matrix = share * LARGEST * np.diag(SCALE**2)
-    softness, moved, before = Softness(), [np.zeros(6)], np.zeros(6)
+    softness, moved, before = ContactSoftness(), [np.zeros(6)], np.zeros(6)
     for step in range(steps):
         acted = moved[max(0, len(moved) - 1 - round(0.75 * D / DT))]
         wrench = step * DT * drift - matrix @ acted + noise * SCALE * rng.uniform(-1.0, 1.0, 6)
@@ -55,7 +55,7 @@ def test_share_stays_within_its_bounds(share: float, expected: float) -> None:
 
 def test_motion_that_errors_hide_teaches_nothing() -> None:
     assert learnt(0.1, np.zeros(6), noise=10.0) == pytest.approx(FIRST_SHARE, abs=0.05)
-    assert Softness().step(state([5.0] * 6, np.zeros(6), 1e-3), AXES, LARGEST) == FIRST_SHARE
+    assert ContactSoftness().step(state([5.0] * 6, np.zeros(6), 1e-3), AXES, LARGEST) == FIRST_SHARE
 
 
 def test_a_stiffer_contact_is_believed_sooner_than_a_softer_one() -> None:
@@ -70,7 +70,7 @@ def test_a_stiffer_contact_is_believed_sooner_than_a_softer_one() -> None:
     )
 )
 def test_any_history_gives_a_share_within_bounds(history: list[tuple[float, float, float]]) -> None:
-    softness = Softness()
+    softness = ContactSoftness()
     for wrench, moved, dt in history:
         share = softness.step(state([wrench] * 6, np.full(6, moved * dt), 0.1, dt), AXES, LARGEST)
         assert 0.1 <= share <= 1.0
@@ -79,7 +79,7 @@ def test_any_history_gives_a_share_within_bounds(history: list[tuple[float, floa
 def test_the_regression_runs_when_a_sample_is_kept_and_not_in_between(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    softness, runs = Softness(), []
+    softness, runs = ContactSoftness(), []
     regression = softness._regression
     monkeypatch.setattr(
         softness, "_regression", lambda *given: runs.append(softness._now) or regression(*given)

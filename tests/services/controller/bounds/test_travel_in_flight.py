@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from services.controller.bounds.travel_in_flight import Travel
+from services.controller.bounds.travel_in_flight import TravelInFlight
 
 STEP = 2e-4
 
@@ -54,7 +54,7 @@ def test_nothing_that_is_still_to_come_is_forgotten(seed: int) -> None:
     latency, fastest = rng.uniform(0.0, 0.01), rng.uniform(0.0, 0.02)
     lag = float(rng.choice((0.0, 0.01, 0.03)))
     period = 1.2 * nominal + jitter
-    travel = Travel(period, latency + fastest + jitter, lag)
+    travel = TravelInFlight(period, latency + fastest + jitter, lag)
     time, sent, arrivals = 0.0, [], []
     for count in range(30):
         dt = nominal * rng.uniform(0.8, 1.2) * (1 if rng.random() < 0.9 else 3)
@@ -82,7 +82,7 @@ def test_nothing_that_is_still_to_come_is_forgotten(seed: int) -> None:
     ("dt", "period", "delay", "lag"), [(0.01, 0.02, 0.02, 0.02), (0.001, 0.0012, 0.03, 0.0)]
 )
 def test_a_steady_command_is_counted_exactly(dt: float, period: float, delay: float, lag: float) -> None:
-    travel = Travel(period, delay, lag)
+    travel = TravelInFlight(period, delay, lag)
     twist = np.array((0.1, -0.2, 0.0, 0.3, 0.0, -0.4))
     for _ in range(2000):
         travel.advance(dt)
@@ -92,7 +92,7 @@ def test_a_steady_command_is_counted_exactly(dt: float, period: float, delay: fl
 
 
 def test_senses_are_never_netted() -> None:
-    travel = Travel(0.01, 0.05, 0.0)
+    travel = TravelInFlight(0.01, 0.05, 0.0)
     for sign in (1, -1, 1, -1):
         travel.advance(0.01)
         travel.command(np.full(6, 0.1 * sign))
@@ -101,7 +101,7 @@ def test_senses_are_never_netted() -> None:
 
 
 def test_it_ends_after_delay_and_lag() -> None:
-    travel = Travel(0.01, 0.02, 0.005)
+    travel = TravelInFlight(0.01, 0.02, 0.005)
     travel.advance(0.0)
     travel.command(np.ones(6))
     assert np.all(travel.advance(0.01)[6:] >= 0.01 - 1e-12)
@@ -113,14 +113,14 @@ def test_it_ends_after_delay_and_lag() -> None:
 
 
 def test_a_command_acts_no_longer_than_the_period_however_long_the_pause() -> None:
-    travel = Travel(0.01, 0.5, 0.0)
+    travel = TravelInFlight(0.01, 0.5, 0.0)
     travel.advance(0.0)
     travel.command(np.ones(6))
     assert travel.advance(0.4)[6:] == pytest.approx(np.full(6, 0.01))
 
 
 def test_many_commands_in_a_short_time_are_bounded_and_not_forgotten() -> None:
-    travel = Travel(0.2, 0.1, 0.0)
+    travel = TravelInFlight(0.2, 0.1, 0.0)
     for _ in range(5000):
         travel.advance(1e-5)
         travel.command(np.full(6, 0.5))
@@ -128,7 +128,7 @@ def test_many_commands_in_a_short_time_are_bounded_and_not_forgotten() -> None:
 
 
 def test_no_time_no_change() -> None:
-    travel = Travel(0.01, 0.02, 0.01)
+    travel = TravelInFlight(0.01, 0.02, 0.01)
     travel.advance(0.0)
     travel.command(np.ones(6))
     before = travel.advance(0.005).copy()
@@ -137,7 +137,7 @@ def test_no_time_no_change() -> None:
 
 def test_of_two_commands_at_one_instant_the_larger_counts() -> None:
     """A step that fails after its command is followed by a brake at once: whichever is lost, the other one acts."""
-    travel = Travel(0.02, 0.05, 0.0)
+    travel = TravelInFlight(0.02, 0.05, 0.0)
     travel.advance(0.01)
     travel.command(np.array((0.2, 0.0, 0.0, 0.0, 0.0, 0.0)))
     travel.command(np.zeros(6))
@@ -147,7 +147,7 @@ def test_of_two_commands_at_one_instant_the_larger_counts() -> None:
 def test_more_segments_than_are_kept_are_merged_without_losing_any_time() -> None:
     """A loop far quicker than the delay: everything of the last d is still counted, never less."""
     period, delay, rate = 0.001, 0.1, 4000.0
-    travel = Travel(period, delay, 0.0)
+    travel = TravelInFlight(period, delay, 0.0)
     for _ in range(2000):
         travel.advance(1.0 / rate)
         travel.command(np.array((0.1, 0.0, 0.0, 0.0, 0.0, 0.0)))

@@ -205,7 +205,9 @@ def test_what_is_in_flight_survives_braking_and_a_change_of_law() -> None:
 def unhindered(law: CertifiedLaw, wrench: Array) -> list[float] | None:
     """What the rounded form would do if no row held it."""
     return RoundedYield().step(
-        YieldInput(wrench.tolist(), law.caps, law.bound, law.box.speed, np.zeros(6), law.response_time, 0.01)
+        YieldInput(
+            wrench.tolist(), law.caps, law.bound, law.speed_box.speed, np.zeros(6), law.response_time, 0.01
+        )
     )
 
 
