@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import piqp
 
-from services.controller.laws.choice import LawInput, make_law
+from services.controller.laws import make_law
+from services.controller.laws.law import LawInput
 from services.controller.laws.qp import Qp
 from services.controller.parameters import ControllerParameters
 from shared.spatial import Array, rotation_from_vector

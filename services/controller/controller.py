@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from services.controller.laws.choice import LawInput, LawOutput, make_law
+from services.controller.laws import make_law
+from services.controller.laws.law import LawInput, LawOutput
 from services.controller.laws.qp import Timer, no_timer
 from services.controller.limits_in_force import LimitsInForce
 from services.controller.parameters import ControllerParameters

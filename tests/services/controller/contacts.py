@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from services.controller.laws.choice import LawInput
+from services.controller.laws.law import LawInput
 from services.controller.parameters import ControllerParameters
 from shared.spatial import Array, rotation_from_vector, skew
 

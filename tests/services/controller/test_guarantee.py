@@ -8,7 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from services.controller.laws.choice import Law, make_law
+from services.controller.laws import make_law
+from services.controller.laws.law import Law
 from shared.spatial import rotation_from_vector
 from tests.services.controller.contacts import agile, state
 

@@ -13,7 +13,9 @@ from scipy.spatial.transform import Rotation
 from services.controller.bounds.yield_input import YieldInput
 from services.controller.bounds.yielding import RoundedYield
 from services.controller.guarantee import certificates
-from services.controller.laws.choice import CertifiedLaw, LawInput, make_law
+from services.controller.laws import make_law
+from services.controller.laws.certified import CertifiedLaw
+from services.controller.laws.law import LawInput
 from services.controller.laws.qp import QpFailure
 from shared.spatial import Array
 from tests.services.controller import closed_form

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from services.controller.laws.choice import PaperLaw, StiffnessLaw, make_law
+from services.controller.laws import make_law
+from services.controller.laws.paper_and_spring import PaperLaw, StiffnessLaw
 from shared.spatial import pose_error
 from tests.services.controller import closed_form
 from tests.services.controller.contacts import LIMIT, agile, state
