@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from services.controller.bounds.yield_input import Vector, YieldInput
 from shared.spatial import Array
 
 FIRST_SHARE = 0.5
@@ -28,8 +27,6 @@ _SAMPLES = 40
 """So many samples the window holds at most; a quicker loop leaves some out."""
 _FEWEST = 4
 """Fewer samples tell a drift from nothing else."""
-_ERRORS, _ROOM = 1.0, 0.05
-"""Motion tells something if it can change the wrench by more than this many error bounds and share of the room."""
 _RISE, _FALL = 0.1, 0.5
 """Time constants in response times: quicker to believe in a stiffer contact than in a softer one."""
 
@@ -53,25 +50,37 @@ class ContactSoftness:
         self._commanded: deque[tuple[float, Array]] = deque([(0.0, self._position)])
         self._samples: deque[tuple[float, Array, Array]] = deque()
 
-    def step(self, state: YieldInput, pressed: Sequence[int], largest: float) -> float:
+    def step(
+        self,
+        wrench: ArrayLike,
+        displacement: Array,
+        scale: ArrayLike,
+        largest: float,
+        hidden: float,
+        response_time: float,
+        dt: float,
+    ) -> float:
         """The share now.
 
         Args:
-            state: of this step; the roots of its bound are the scale.
-            pressed: axes that are beyond the box.
-            largest: [1] eigenvalue of ``x^-1 K x^-1`` on these axes for the stiffest declared contact.
+            wrench: w (6,) [N, Nm].
+            displacement: (6,) [m, rad] commanded since the last step.
+            scale: x (6,), in which the stiffness is one number.
+            largest: [1] eigenvalue of ``x^-1 K x^-1`` for the stiffest declared contact.
+            hidden: [1] change of ``x^-1 w`` that tells nothing.
+            response_time: D [s].
+            dt: [s] since the last step.
         """
-        dt, response_time = state.dt, state.response_time
         self._now += dt
-        self._position = self._position + state.displacement
+        self._position = self._position + displacement
         self._commanded.append((self._now, self._position))
         window = max(_WINDOW * response_time, _FEWEST * dt)
         if not self._samples or self._now - self._samples[-1][0] >= window / _SAMPLES:
             acted = self._acted(self._now - _ACTS_AFTER * response_time)
-            self._samples.append((self._now, np.array(state.wrench), acted))
+            self._samples.append((self._now, np.array(wrench), acted))
             while self._samples[0][0] < self._now - window:
                 self._samples.popleft()
-            shown = self._regression(np.array(state.bound.roots), largest, _hidden(state, pressed))
+            shown = self._regression(np.array(scale), largest, hidden)
             self._shown = min(1.0, max(_LEAST_SHARE, shown))
         constant = (_RISE if self._shown > self.share else _FALL) * response_time
         self.share += (self._shown - self.share) * (1.0 - math.exp(-dt / constant))
@@ -100,13 +109,3 @@ class ContactSoftness:
         known = hidden * hidden
         falls, moves = -np.vdot(change, motion) / count, np.vdot(motion, motion) / count
         return float((FIRST_SHARE * known + falls) / (known + moves)) if known + moves > 0.0 else FIRST_SHARE
-
-
-def _hidden(state: YieldInput, pressed: Sequence[int]) -> float:
-    """Change of the wrench [1] in the scale that errors and a share of the room above the box hide on some axes."""
-    scale, caps = state.bound.roots, state.caps
-    return _ERRORS * _norm(caps.errors, scale, pressed) + _ROOM * _norm(caps.room, scale, pressed)
-
-
-def _norm(values: Vector, scale: Vector, axes: Sequence[int]) -> float:
-    return math.hypot(*(values[i] / scale[i] for i in axes))

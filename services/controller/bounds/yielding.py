@@ -10,10 +10,14 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
 
+from services.controller.bounds.caps import Caps
 from services.controller.bounds.contact_softness import ContactSoftness
 from services.controller.bounds.stiffness_bound import StiffnessBound
-from services.controller.bounds.yield_input import Vector, YieldInput
+from shared.spatial import Array
+
+Vector = Sequence[float]
 
 _STOPPED = 1e-7
 """An integral slower than this [m/s, rad/s] has ended."""
@@ -27,6 +31,32 @@ _FOLLOWED = 1e-3
 """An integral slower than this [m/s, rad/s] follows nobody any more: the rows may have it back."""
 _QUICKNESS = 1.5
 """Gain of following a moving environment over what settles in D at the stiffness that the contact shows."""
+_ERRORS, _ROOM = 1.0, 0.05
+"""Motion tells something of the contact if it can change the wrench by more than this many error bounds and this share
+of the room above the box."""
+
+
+@dataclass(slots=True)
+class YieldInput:
+    """What a form gives way to.
+
+    Attributes:
+        wrench: w (6,) [N, Nm].
+        caps: where the form begins, and the wall that no measured wrench passes at rest.
+        bound: Kbar.
+        speed: (6,) [m/s, rad/s] that the integral saturates at.
+        displacement: (6,) [m, rad] commanded since the last step.
+        response_time: D [s].
+        dt: [s] since the last step.
+    """
+
+    wrench: Vector
+    caps: Caps
+    bound: StiffnessBound
+    speed: Vector
+    displacement: Array
+    response_time: float
+    dt: float
 
 
 def scaled_into(twist: list[float], speed: Vector) -> list[float]:
@@ -127,8 +157,8 @@ class RoundedYield(Yielding):
 
     At rest the distance is measured in the room left above the box, which is what the rounded caps share out. Once the
     environment has moved it is measured in ``sqrt(Kbar_ii)``, in which no axis is much stiffer than another, and
-    answered according to the stiffness that the contact shows (``ContactSoftness``): that follows faster. It stays so until
-    the wrench is back in the box.
+    answered according to the stiffness that the contact shows (``ContactSoftness``): that follows faster. It stays so
+    until the wrench is back in the box.
 
     Attributes:
         distance: h (6,), how far each axis is beyond its threshold, in units of the room left above it; V = |h|.
@@ -170,8 +200,16 @@ class RoundedYield(Yielding):
     def _share(self, state: YieldInput) -> float:
         """Share of the declared stiffness that the contact shows on the axes which are beyond the box."""
         pressed = [i for i in range(6) if self.distance[i] > 0.0] or range(6)
-        bound = state.bound
-        return self._softness.step(state, pressed, largest_stiffness(bound, pressed, bound.roots))
+        bound, caps, scale = state.bound, state.caps, state.bound.roots
+        hidden = _ERRORS * _norm(caps.errors, scale, pressed) + _ROOM * _norm(caps.room, scale, pressed)
+        stiffest = largest_stiffness(bound, pressed, scale)
+        return self._softness.step(
+            state.wrench, state.displacement, scale, stiffest, hidden, state.response_time, state.dt
+        )
+
+
+def _norm(values: Vector, scale: Vector, axes: Sequence[int]) -> float:
+    return math.hypot(*(values[i] / scale[i] for i in axes))
 
 
 def down_the_gradient(

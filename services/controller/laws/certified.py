@@ -4,8 +4,8 @@
 ``|w_i|`` through Kbar; ``y`` is the yielding, which keeps the same rows unless the environment has moved. Strict
 (``yield_start`` = 1) and rounded (< 1) differ in where y begins and in the caps (docs/guarantee.md, "The law").
 
-Twelve-vectors run over the directions of ``TravelInFlight``: element i is motion that makes w_i grow (q_i), element 6 + i
-motion that makes it fall (p_i); row i keeps w_i below its cap, row 6 + i keeps -w_i below it.
+Twelve-vectors run over the directions of ``TravelInFlight``: element i is motion that makes w_i grow (q_i), element
+6 + i motion that makes it fall (p_i); row i keeps w_i below its cap, row 6 + i keeps -w_i below it.
 """
 
 from __future__ import annotations
@@ -17,8 +17,7 @@ import numpy as np
 from services.controller.bounds.caps import Caps
 from services.controller.bounds.stiffness_bound import StiffnessBound
 from services.controller.bounds.travel_in_flight import SENSES
-from services.controller.bounds.yield_input import YieldInput
-from services.controller.bounds.yielding import RoundedYield, StrictYield, Yielding, scaled_into
+from services.controller.bounds.yielding import RoundedYield, StrictYield, Yielding, YieldInput, scaled_into
 from services.controller.laws.law import Law, LawInput, LawOutput
 from services.controller.laws.qp import CLOSED, UNBOUNDED, Qp, QpFailure, Timer, no_timer
 from services.controller.parameters import ControllerParameters

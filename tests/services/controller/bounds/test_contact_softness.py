@@ -1,9 +1,6 @@
-"""The softness of a contact: the stiffness that a contact shows is found from the tool's own motion, and never beyond its bounds."""
+"""The stiffness that a contact shows is found from the tool's own motion, and never beyond its bounds."""
 
 from __future__ import annotations
-
-from types import SimpleNamespace
-from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -11,19 +8,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from services.controller.bounds.contact_softness import FIRST_SHARE, ContactSoftness
-from services.controller.bounds.yield_input import YieldInput
 
 D, DT = 0.05, 0.005
 SCALE = np.sqrt((800.0, 800.0, 800.0, 90.0, 90.0, 90.0))
 LARGEST = 2.0
-AXES = range(6)
 
 
-def state(wrench: Any, displacement: np.ndarray, noise: float = 0.0, dt: float = DT) -> YieldInput:
-    """A step with errors of ``noise`` in the scale and no room: softness reads nothing else of bound and caps."""
-    bound = SimpleNamespace(roots=SCALE.tolist())
-    caps = SimpleNamespace(errors=(noise * SCALE).tolist(), room=[0.0] * 6)
-    return YieldInput(list(wrench), cast(Any, caps), cast(Any, bound), [1.0] * 6, displacement, D, dt)
+def step(
+    softness: ContactSoftness, wrench: np.ndarray, moved: np.ndarray, noise: float = 0.0, dt: float = DT
+) -> float:
+    """The share after a step in which errors hide ``noise`` on each axis, in the scale."""
+    return softness.step(wrench, moved, SCALE, LARGEST, noise * np.sqrt(6.0), D, dt)
 
 
 def learnt(share: float, drift: np.ndarray, noise: float = 0.0, steps: int = 200) -> float:
@@ -32,12 +27,12 @@ def learnt(share: float, drift: np.ndarray, noise: float = 0.0, steps: int = 200
     direction = np.array((1.0, 0.0, 0.0, 0.0, 0.8, 0.0)) / SCALE
     matrix = share * LARGEST * np.diag(SCALE**2)
     softness, moved, before = ContactSoftness(), [np.zeros(6)], np.zeros(6)
-    for step in range(steps):
+    for count in range(steps):
         acted = moved[max(0, len(moved) - 1 - round(0.75 * D / DT))]
-        wrench = step * DT * drift - matrix @ acted + noise * SCALE * rng.uniform(-1.0, 1.0, 6)
-        softness.step(state(wrench, moved[-1] - before, noise), AXES, LARGEST)
+        wrench = count * DT * drift - matrix @ acted + noise * SCALE * rng.uniform(-1.0, 1.0, 6)
+        step(softness, wrench, moved[-1] - before, noise)
         before = moved[-1]
-        moved.append(np.sin(step * DT / D) * 0.1 * direction)
+        moved.append(np.sin(count * DT / D) * 0.1 * direction)
     return softness.share
 
 
@@ -55,7 +50,7 @@ def test_share_stays_within_its_bounds(share: float, expected: float) -> None:
 
 def test_motion_that_errors_hide_teaches_nothing() -> None:
     assert learnt(0.1, np.zeros(6), noise=10.0) == pytest.approx(FIRST_SHARE, abs=0.05)
-    assert ContactSoftness().step(state([5.0] * 6, np.zeros(6), 1e-3), AXES, LARGEST) == FIRST_SHARE
+    assert step(ContactSoftness(), np.full(6, 5.0), np.zeros(6), 1e-3) == FIRST_SHARE
 
 
 def test_a_stiffer_contact_is_believed_sooner_than_a_softer_one() -> None:
@@ -72,7 +67,7 @@ def test_a_stiffer_contact_is_believed_sooner_than_a_softer_one() -> None:
 def test_any_history_gives_a_share_within_bounds(history: list[tuple[float, float, float]]) -> None:
     softness = ContactSoftness()
     for wrench, moved, dt in history:
-        share = softness.step(state([wrench] * 6, np.full(6, moved * dt), 0.1, dt), AXES, LARGEST)
+        share = step(softness, np.full(6, wrench), np.full(6, moved * dt), 0.1, dt)
         assert 0.1 <= share <= 1.0
 
 
@@ -84,6 +79,6 @@ def test_the_regression_runs_when_a_sample_is_kept_and_not_in_between(
     monkeypatch.setattr(
         softness, "_regression", lambda *given: runs.append(softness._now) or regression(*given)
     )
-    for step in range(1000):
-        softness.step(state(np.zeros(6), np.full(6, 1e-3 * np.sin(step)), dt=0.0002), AXES, LARGEST)
+    for count in range(1000):
+        step(softness, np.zeros(6), np.full(6, 1e-3 * np.sin(count)), dt=0.0002)
     assert len(runs) == pytest.approx(0.2 / (2.5 * D / 40), rel=0.15)

@@ -9,11 +9,11 @@ import pytest
 
 from services.controller.bounds.caps import Caps
 from services.controller.bounds.stiffness_bound import ContactZone, StiffnessBound
-from services.controller.bounds.yield_input import YieldInput
 from services.controller.bounds.yielding import (
     RoundedYield,
     StrictYield,
     Yielding,
+    YieldInput,
     largest_stiffness,
     scaled_into,
 )

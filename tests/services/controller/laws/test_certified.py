@@ -10,8 +10,7 @@ import piqp
 import pytest
 from scipy.spatial.transform import Rotation
 
-from services.controller.bounds.yield_input import YieldInput
-from services.controller.bounds.yielding import RoundedYield
+from services.controller.bounds.yielding import RoundedYield, YieldInput
 from services.controller.guarantee import certificates
 from services.controller.laws import make_law
 from services.controller.laws.certified import CertifiedLaw
