@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +18,7 @@ MOVING_FACTOR = 3.0
 """Peak of the excess in a moving environment over what Kbar lets the wrench grow by until the tool can have followed:
 nearly the largest of the benchmark's steady pulls (docs/guarantee.md, "A moving environment"). Measured, not proven."""
 _ROUNDS = 20
+_UNITS = (("mm/s", "N"), ("mrad/s", "Nm"))
 _PARALLEL = np.eye(3)
 
 
@@ -102,3 +105,83 @@ def _approach(parameters: ControllerParameters, limit: Array, caps: Caps, axis: 
         own = caps.levels[2][axis] / (bound.rows[axis][axis] * parameters.horizon)
         slowest = min(fastest, *allowed, (own, f"limit {AXES[axis]} less the reserve"))
     return float(slowest[0]), slowest[1]
+
+
+def as_map(
+    parameters: ControllerParameters,
+    limit: Array,
+    error_bound: Array,
+    environment_speed: float = 0.1,
+    rotations: Sequence[Array] = (_PARALLEL,),
+) -> dict[str, Any]:
+    """The certificates for programs, as JSON has them, and what the excess in a moving environment follows from.
+
+    Args:
+        parameters: of the controller.
+        limit: wbar (6,) [N, Nm].
+        error_bound: eps (6,) [N, Nm].
+        environment_speed: [m/s], in whatever direction.
+        rotations: each (3, 3), of the tool in base, to give Kbar (6, 6) for.
+
+    Raises:
+        ValueError: if the limits cannot be kept with such errors; the text says why.
+    """
+    found = certificates(parameters, limit, error_bound, environment_speed)
+    return {
+        "form": _form(parameters),
+        "limit": limit.tolist(),
+        "error_bound": error_bound.tolist(),
+        "horizon": parameters.horizon,
+        "environment_speed": environment_speed,
+        "axes": [vars(one) for one in found],
+        "moving": {
+            "factor": MOVING_FACTOR,
+            "response": response(parameters),
+            "acceleration": list(parameters.max_acceleration),
+            "stiffness": [stiffness(parameters, limit, rotation).tolist() for rotation in rotations],
+        },
+    }
+
+
+def as_text(
+    parameters: ControllerParameters, limit: Array, error_bound: Array, environment_speed: float = 0.1
+) -> str:
+    """The certificates for a person, as a table of several lines; arguments and errors as of ``certificates``."""
+    found = certificates(parameters, limit, error_bound, environment_speed)
+    lines = [
+        f"certified law, {_form(parameters)}; T {parameters.period * 1e3:g} ms, d {parameters.delay * 1e3:g} ms, "
+        f"tau {parameters.lag * 1e3:g} ms: a command has acted {parameters.horizon * 1e3:g} ms after its sample",
+    ]
+    for zone in parameters.contact_zones:
+        reach = ", ".join(f"{length:g}" for length in zone.reach)
+        lines.append(
+            f"contacts up to {zone.stiffness:g} N/m within ({reach}) m of the tool, friction {zone.friction:g}"
+        )
+    lines += [
+        "While environment and base are at rest, no limit is exceeded: from first touch on, between samples too.",
+        "",
+        f"{'axis':<9} {'limit':>9} {'error':>9}   {'certified approach':<20} {'limited by':<34} "
+        f"excess at {environment_speed:g} m/s",
+    ]
+    for index, one in enumerate(found):
+        speed_unit, unit = _UNITS[index // 3]
+        speed = f"{one.speed * 1e3:.3g} {speed_unit}"
+        share = one.excess / limit[index]
+        lines.append(
+            f"{one.axis:<9} {limit[index]:>6g} {unit:<2} {error_bound[index]:>6g} {unit:<2}   {speed:<20} "
+            f"{one.limited_by:<34} {one.excess:.3g} {unit} ({share:.0%} of the limit)"
+        )
+    timing = {"period T": parameters.period, "delay d": parameters.delay, "lag tau": parameters.lag}
+    name, longest = max(timing.items(), key=lambda item: item[1])
+    lines += [
+        "",
+        f"Speeds scale with 1/(stiffness x {parameters.horizon * 1e3:g} ms); the largest share of the time is the "
+        f"{name} ({longest / parameters.horizon:.0%}).",
+        f"Excess, measured and not proven: {MOVING_FACTOR:g} x stiffness x speed of the environment x (response time + "
+        "time to speed up), beyond the limit, until the tool moves with it.",
+    ]
+    return "\n".join(lines)
+
+
+def _form(parameters: ControllerParameters) -> str:
+    return "strict" if parameters.yield_start == 1.0 else f"rounded (yield_start {parameters.yield_start:g})"
