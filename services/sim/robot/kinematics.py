@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 
+from shared.robot import tiago
 from shared.spatial import Array
 
-URDF = Path(__file__).with_name("tiago.urdf")
+URDF = tiago.URDF
 
 CHAIN = ("torso_lift_joint", *(f"arm_right_{i}_joint" for i in range(1, 8)))
 """The joints that move the tool, from the base outwards."""
