@@ -13,9 +13,7 @@ from services.sim.camera.sight import Sight
 from services.sim.camera.sights import Sights
 from services.sim.pace import Pace, Ticks
 from services.sim.parameters import SimParameters
-from services.sim.robot.base import LIMITS
 from services.sim.robot.ft_sensor import ForceTorqueSensor
-from services.sim.robot.gripper import RANGES as GRIPPER_RANGES
 from services.sim.robot.kinematics import CARRY_HOME, FULL_HOME, HOME
 from services.sim.robot.sensor_line import SensorLine
 from services.sim.robot.state import JointSensors
@@ -26,6 +24,7 @@ from shared import topics
 from shared.faults import Fault
 from shared.messages import BaseState, FtSample, GripperState
 from shared.parameters import Parameters
+from shared.robot import tiago
 from shared.robot.gate import GateLimits
 from shared.robot.side import RobotSide
 from shared.service import Inputs, Output, Wiring
@@ -65,9 +64,9 @@ class Simulator:
             limits,
             parameters.base_type,
             simulated=True,
-            base=LIMITS[parameters.base_type],
-            gripper=GRIPPER_RANGES,
-            head=self.world.head.ranges,
+            base=tiago.BASES[parameters.base_type],
+            gripper=tiago.GRIPPER_RANGES,
+            head=tiago.HEAD_RANGES,
         )
         self._sensor = ForceTorqueSensor(parameters.ft_noise, parameters.ft_bias, parameters.seed)
         self._lines = {"ft": SensorLine(), "joints": SensorLine(), "camera": SensorLine()}

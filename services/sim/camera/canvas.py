@@ -9,7 +9,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from services.sim.robot.kinematics import TOOL_FRAME, URDF
+from shared.robot.tiago import TOOL_FRAME, URDF
 from shared.spatial import Array, quaternion
 
 Picture = NDArray[np.uint8]

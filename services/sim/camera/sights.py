@@ -6,11 +6,9 @@ import numpy as np
 
 from services.sim.camera import marker
 from services.sim.camera.sight import HEIGHT, WIDTH, Look, Sight, pixels
-from services.sim.robot.head import JOINTS
-from services.sim.robot.kinematics import CHAIN
-from services.sim.robot.state import FINGERS
 from services.sim.scene.panel_scene import Carry
 from services.sim.scene.world import World
+from shared.robot.tiago import CHAIN, FINGERS, HEAD
 from shared.spatial import Array, rotation_from_vector
 
 FACING = 0.2
@@ -37,7 +35,7 @@ class Sights:
         position, rotation = world.camera()
         joints = dict(world.start)
         joints.update(zip(CHAIN, world.arm.physics.positions, strict=True))
-        joints.update(zip(JOINTS, world.head.position.tolist(), strict=True))
+        joints.update(zip(HEAD, world.head.position.tolist(), strict=True))
         joints.update(zip(FINGERS, (world.gripper.left, world.gripper.right), strict=True))
         supports = None
         if panel.supported:

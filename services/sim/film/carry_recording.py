@@ -20,11 +20,12 @@ import numpy as np
 
 from services.sim.camera.sight import Look, Sight
 from services.sim.parameters import SimParameters
-from services.sim.robot.head import JOINTS, TORSO, Head
+from services.sim.robot.head import Head
 from services.sim.robot.kinematics import CARRY_HOME
 from services.sim.scene.panel import CLEARED, Panel
 from shared.loop.config import Misconfigured
 from shared.parameters import Refused
+from shared.robot import tiago
 from shared.spatial import Array, rotation_from_vector, rotation_matrix
 
 SERIES = (
@@ -160,8 +161,8 @@ class CarryRun:
         x, y, yaw = moment.base
         to_base = rotation_from_vector((0.0, 0.0, -yaw))
         origin = np.array((x, y, 0.0))
-        self._head.position = np.array([moment.joints[name] for name in JOINTS])
-        position, rotation = self._head.camera(moment.joints[TORSO])
+        self._head.position = np.array([moment.joints[name] for name in tiago.HEAD])
+        position, rotation = self._head.camera(moment.joints[tiago.TORSO])
         supports = None
         if moment.trestles is not None:
             supports = (moment.trestles - origin).dot(to_base.T), -float(yaw)

@@ -9,9 +9,10 @@ import numpy as np
 
 from services.sim.robot.base import MobileBase
 from services.sim.robot.ik import DifferentialIK
-from services.sim.robot.kinematics import CHAIN, HOME, Kinematics
+from services.sim.robot.kinematics import HOME, Kinematics
 from services.sim.robot.physics import Physics
 from shared.constants import GRAVITY
+from shared.robot.tiago import CHAIN
 from shared.spatial import Array
 
 TORSO_WEIGHT = 10.0

@@ -5,15 +5,6 @@ from __future__ import annotations
 import math
 
 from shared.constants import GRAVITY
-from shared.robot.base_gate import BaseLimits
-
-LIMITS = {
-    "differential": BaseLimits(1.0, 0.2, 0.0, 2.09, 1.0, 2.09),
-    "omni": BaseLimits(
-        1.0, 1.0, 1.0, math.radians(80.0), 1.0, 2.09, {"xy": 0.7, "xz": 0.5, "yz": 0.5, "xyz": 0.4}
-    ),
-}
-"""Of the TIAGo's two bases, see NOTICE."""
 
 Vector = tuple[float, float, float]
 

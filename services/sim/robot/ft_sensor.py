@@ -6,10 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from shared.robot.tiago import SENSOR_RANGE
 from shared.spatial import Array
 
-RANGE: Array = np.array((290.0, 290.0, 580.0, 10.0, 10.0, 10.0))
-"""Largest reading [N, Nm] per axis: Schunk FTN-Mini-45, calibration SI-290-10, the sensor of the TIAGo's wrist."""
 DITHER = 1e-6
 """Least standard deviation [N, Nm] of the noise: no real sensor repeats a value to the last bit, and who watches one
 takes an axis that does for stuck."""
@@ -32,5 +31,5 @@ class ForceTorqueSensor:
     def read(self, wrench: Array) -> tuple[Array, bool]:
         """One reading (6,) [N, Nm] of a true wrench (6,), both in sensor axes, and whether an axis is saturated."""
         reading = wrench + self._bias + self._noise * self._random.standard_normal(6)
-        clipped = np.minimum(np.maximum(reading, -RANGE), RANGE)
+        clipped = np.minimum(np.maximum(reading, -SENSOR_RANGE), SENSOR_RANGE)
         return clipped, clipped.tolist() != reading.tolist()

@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-TRAVEL = 0.045
-"""Way [m] of each finger from closed to open."""
-SPEED = 0.05
-"""Largest speed [m/s] of each finger."""
-EFFORT = 16.0
-"""Largest force [N] with which each finger closes."""
-RANGES = {"opening": (0.0, 2.0 * TRAVEL), "effort": (0.0, EFFORT)}
-"""What can be asked for [m, N]."""
+from shared.robot.tiago import FINGER_EFFORT, FINGER_SPEED
+
 EASE_ABOVE = 0.3
 """Force [N] beyond the effort on both fingers at which the drives ease off."""
 EASE_SPEED = 0.002
@@ -33,7 +27,7 @@ class Gripper:
         self.pressed = (0.0, 0.0)
         self.holding = False
         self._target = (0.0, 0.0)
-        self._effort = EFFORT
+        self._effort = FINGER_EFFORT
 
     @property
     def opening(self) -> float:
@@ -56,7 +50,7 @@ class Gripper:
         if closing and any(self.pressed):
             return
         if self.holding:
-            self._target, self._effort = (0.0, 0.0), max(self._effort, min(*self.pressed, EFFORT))
+            self._target, self._effort = (0.0, 0.0), max(self._effort, min(*self.pressed, FINGER_EFFORT))
         else:
             self._target = (self.left, self.right)
 
@@ -72,4 +66,4 @@ class Gripper:
     def _moved(self, place: float, target: float, pressed: float, dt: float) -> float:
         if place > target and pressed >= self._effort:
             return place
-        return place + min(max(target - place, -SPEED * dt), SPEED * dt)
+        return place + min(max(target - place, -FINGER_SPEED * dt), FINGER_SPEED * dt)

@@ -8,12 +8,8 @@ import numpy as np
 import pinocchio as pin
 
 from services.sim.robot.kinematics import full_model, locked_except
+from shared.robot.tiago import CAMERA_FRAME, HEAD, JOINTS, TORSO
 from shared.spatial import Array
-
-JOINTS = ("head_1_joint", "head_2_joint")
-"""Pan and tilt."""
-OPTICAL_FRAME = "xtion_rgb_optical_frame"
-TORSO = "torso_lift_joint"
 
 
 class Head:
@@ -21,24 +17,17 @@ class Head:
 
     Attributes:
         position: pan and tilt [rad].
-        ranges: what can be asked for [rad].
 
     Args:
         start: positions [rad] at the start, by joint names.
     """
 
     def __init__(self, start: Mapping[str, float]) -> None:
-        self._model = locked_except(full_model(), (TORSO, *JOINTS))
+        self._model = locked_except(full_model(), (TORSO, *HEAD))
         self._data = self._model.createData()
-        self._frame = self._model.getFrameId(OPTICAL_FRAME)
-        # Of the reduced model's joints the torso comes first.
-        lower, upper = (
-            self._model.lowerPositionLimit[1:].tolist(),
-            self._model.upperPositionLimit[1:].tolist(),
-        )
-        self.ranges = dict(zip(("pan", "tilt"), zip(lower, upper, strict=True), strict=True))
-        self._speed: Array = self._model.velocityLimit[1:].copy()
-        self._start = np.array([start[name] for name in JOINTS])
+        self._frame = self._model.getFrameId(CAMERA_FRAME)
+        self._speed = np.array([JOINTS[name].velocity for name in HEAD])
+        self._start = np.array([start[name] for name in HEAD])
         self.reset()
 
     def reset(self) -> None:

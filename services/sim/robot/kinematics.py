@@ -1,4 +1,4 @@
-"""Kinematics and statics of the simulated TIAGo's torso and right arm, from its own URDF."""
+"""Kinematics and statics of the simulated TIAGo's torso and right arm, from the robot's description."""
 
 from __future__ import annotations
 
@@ -7,16 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 import pinocchio as pin
 
-from shared.robot import tiago
+from shared.robot.tiago import CHAIN, SENSOR_FRAME, TOOL_FRAME, URDF
 from shared.spatial import Array
-
-URDF = tiago.URDF
-
-CHAIN = ("torso_lift_joint", *(f"arm_right_{i}_joint" for i in range(1, 8)))
-"""The joints that move the tool, from the base outwards."""
-TOOL_FRAME = "gripper_right_grasping_frame"
-SENSOR_FRAME = "wrist_right_ft_link"
-SENSOR_JOINT = "wrist_right_ft_joint"
 
 HOME = {
     "torso_lift_joint": 0.345,

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pybullet
 
-from services.sim.robot.kinematics import CHAIN, SENSOR_JOINT
 from services.sim.robot.physics_model import physics_urdf
 from shared.constants import GRAVITY
+from shared.robot.tiago import CHAIN, SENSOR_JOINT
 from shared.spatial import Array
 
 SOLVER_ITERATIONS = 15

@@ -13,7 +13,8 @@ from collections.abc import Iterable
 import numpy as np
 import pinocchio as pin
 
-from services.sim.robot.kinematics import CHAIN, SENSOR_JOINT, URDF, locked_except
+from services.sim.robot.kinematics import locked_except
+from shared.robot.tiago import CHAIN, SENSOR_JOINT, URDF
 from shared.spatial import rpy_from_rotation
 
 ROTOR = 0.005

@@ -5,14 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from services.sim.robot.head import JOINTS as HEAD
-from services.sim.robot.kinematics import CHAIN, Kinematics, full_model, home, joint_names
+from services.sim.robot.kinematics import Kinematics, full_model, home, joint_names
 from services.sim.robot.sensor_line import SensorLine
 from services.sim.scene.world import World
 from shared.messages import EndEffector, JointState
+from shared.robot.tiago import CHAIN, FINGERS, HEAD
 from shared.spatial import quaternion
-
-FINGERS = ("gripper_right_left_finger_joint", "gripper_right_right_finger_joint")
 
 
 class JointSensors:

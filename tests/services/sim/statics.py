@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from services.sim.robot.kinematics import CHAIN, SENSOR_FRAME, TOOL_FRAME, full_model, home, joint_names
+from services.sim.robot.kinematics import full_model, home, joint_names
 from shared.constants import GRAVITY
+from shared.robot.tiago import CHAIN, SENSOR_FRAME, TOOL_FRAME
 
 
 def statics(position: np.ndarray, force: np.ndarray, torque: np.ndarray) -> np.ndarray:

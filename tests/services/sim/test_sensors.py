@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from services.sim.parameters import SimParameters
-from services.sim.robot.ft_sensor import DITHER, RANGE, ForceTorqueSensor
+from services.sim.robot.ft_sensor import DITHER, ForceTorqueSensor
 from shared import topics
 from shared.parameters import Refused
+from shared.robot.tiago import SENSOR_RANGE
 from tests.services.sim.rig import Rig
 
 QUIET = {"ft_noise": [0.0] * 6}
@@ -35,10 +36,10 @@ def test_without_noise_it_repeats_no_value_all_the_same() -> None:
 def test_beyond_its_range_an_axis_saturates_and_says_so(axis: int, sign: float) -> None:
     sensor = ForceTorqueSensor(np.zeros(6), np.zeros(6), seed=0)
     wrench = np.zeros(6)
-    wrench[axis] = sign * 1.1 * RANGE[axis]
+    wrench[axis] = sign * 1.1 * SENSOR_RANGE[axis]
     reading, saturated = sensor.read(wrench)
     assert saturated
-    assert reading[axis] == sign * RANGE[axis]
+    assert reading[axis] == sign * SENSOR_RANGE[axis]
     assert not sensor.read(0.8 * wrench)[1]
 
 

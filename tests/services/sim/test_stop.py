@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.sim.robot.gripper import EFFORT, Gripper
+from services.sim.robot.gripper import Gripper
 from shared import topics
 from shared.messages import GripperCommand, HeadCommand, Stop
+from shared.robot.tiago import FINGER_EFFORT
 from tests.services.sim.rig import Rig
 
-OPENED = GripperCommand(0.09, EFFORT)
+OPENED = GripperCommand(0.09, FINGER_EFFORT)
 PRESSED = 2500.0
 """Force [N] of a pad per metre by which it is pressed in, about as in ``services.sim.scene.grip``."""
 
@@ -63,14 +64,14 @@ def held(rig: Rig, effort: float) -> bool:
 def test_a_panel_that_is_held_stays_held_with_the_same_effort(rig: Rig) -> None:
     lifted(rig)
     stop(rig)
-    assert held(rig, EFFORT)
+    assert held(rig, FINGER_EFFORT)
     rig.stack.client.publish(topics.COMMAND_GRIPPER, OPENED)
     rig.run(0.2)
     release(rig)
-    assert held(rig, EFFORT), "neither the stop nor what was asked meanwhile has opened the fingers"
+    assert held(rig, FINGER_EFFORT), "neither the stop nor what was asked meanwhile has opened the fingers"
 
 
-@pytest.mark.parametrize("effort", [EFFORT, 0.0])
+@pytest.mark.parametrize("effort", [FINGER_EFFORT, 0.0])
 def test_a_panel_that_is_being_let_go_of_when_the_stop_comes_is_held_again(rig: Rig, effort: float) -> None:
     lifted(rig)
     rig.stack.client.publish(topics.COMMAND_GRIPPER, GripperCommand(0.09, effort))
@@ -78,7 +79,7 @@ def test_a_panel_that_is_being_let_go_of_when_the_stop_comes_is_held_again(rig: 
     gripper = rig.simulator.world.gripper
     stop(rig, 0.02)
     pressed = min(gripper.pressed)
-    assert 1.0 < pressed < EFFORT - 1.0, "in the middle of opening"
+    assert 1.0 < pressed < FINGER_EFFORT - 1.0, "in the middle of opening"
     release(rig)
     assert held(rig, max(effort, pressed))
 
@@ -102,20 +103,20 @@ class Held:
 def test_fingers_that_touch_with_one_pad_only_when_the_stop_comes_go_on_closing() -> None:
     """For an instant a held panel may be off one of them: this must not be the instant that lets it go."""
     held = Held(0.05, shift=0.01)
-    held.gripper.command(0.0, EFFORT)
+    held.gripper.command(0.0, FINGER_EFFORT)
     while not any(held.gripper.pressed):
         held.run(0.002)
     assert not held.gripper.holding
     held.gripper.stay()
     held.run(2.0)
-    assert held.gripper.holding and min(held.gripper.pressed) > EFFORT - 1.0
+    assert held.gripper.holding and min(held.gripper.pressed) > FINGER_EFFORT - 1.0
 
 
 def test_fingers_that_touch_nothing_stay_each_where_it_is() -> None:
     held = Held(0.05, shift=0.01)
-    held.gripper.command(0.0, EFFORT)
+    held.gripper.command(0.0, FINGER_EFFORT)
     held.run(1.0)
-    held.gripper.command(0.09, EFFORT)
+    held.gripper.command(0.09, FINGER_EFFORT)
     held.run(0.25)
     places = held.gripper.left, held.gripper.right
     assert not any(held.gripper.pressed) and places[0] != pytest.approx(places[1], abs=1e-3)

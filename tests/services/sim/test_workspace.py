@@ -9,9 +9,10 @@ import pytest
 
 from services.sim.robot.arm import ARM_MARGIN, LOWEST_TOOL, TORSO_BOTTOM, TORSO_MARGIN, TORSO_WEIGHT
 from services.sim.robot.ik import DifferentialIK
-from services.sim.robot.kinematics import CARRY_HOME, CHAIN, HOME, Kinematics
+from services.sim.robot.kinematics import CARRY_HOME, HOME, Kinematics
 from services.sim.robot.physics import FRICTION
 from shared.constants import GRAVITY
+from shared.robot.tiago import CHAIN
 from shared.spatial import pose_error, quaternion_from_rpy, rotation_from_vector, rotation_matrix
 
 DT = 0.02

@@ -7,11 +7,11 @@ import pytest
 
 from services.sim.camera.marker import ROTATION
 from services.sim.parameters import SimParameters
-from services.sim.robot.gripper import RANGES
 from services.task.parameters import TaskParameters
 from services.task.vision.detection import Detector
 from shared import topics
 from shared.messages import GripperCommand, HeadCommand
+from shared.robot.tiago import GRIPPER_RANGES
 from tests.services.sim.rig import Rig
 
 
@@ -30,7 +30,10 @@ def test_the_grasp_is_the_middle_of_the_panel_s_edge() -> None:
 
 def test_the_gripper_can_do_what_the_task_wants() -> None:
     task = TaskParameters()
-    assert task.gripper_open <= RANGES["opening"][1] and task.gripper_effort <= RANGES["effort"][1]
+    assert (
+        task.gripper_open <= GRIPPER_RANGES["opening"][1]
+        and task.gripper_effort <= GRIPPER_RANGES["effort"][1]
+    )
 
 
 @pytest.mark.parametrize("scene", ["full", "carry"])

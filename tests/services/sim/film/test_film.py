@@ -11,7 +11,8 @@ import pytest
 from services.sim.film.film import main
 from services.sim.film.load_film import HEIGHT, WIDTH
 from services.sim.film.load_scene import Scene
-from services.sim.robot.kinematics import CHAIN, HOME
+from services.sim.robot.kinematics import HOME
+from shared.robot.tiago import CHAIN
 
 
 def recording(path: Path, **changes: object) -> Path:

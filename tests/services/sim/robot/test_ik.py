@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from services.sim.robot import ik as module
 from services.sim.robot.ik import DifferentialIK
-from services.sim.robot.kinematics import CHAIN, Kinematics
+from services.sim.robot.kinematics import Kinematics
+from shared.robot.tiago import CHAIN
 
 KINEMATICS = Kinematics()
 WEIGHT = np.array([10.0] + [1.0] * 7)

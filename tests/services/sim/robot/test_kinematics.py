@@ -11,25 +11,13 @@ import pybullet
 import pytest
 
 from services.sim.robot.kinematics import (
-    CHAIN,
     HOME,
-    TOOL_FRAME,
-    URDF,
     Kinematics,
     full_model,
     home,
     joint_names,
 )
-
-ARM = (  # lower, upper [rad], velocity [rad/s], effort [Nm]
-    (-1.1781, 1.5708, 1.95, 43),
-    (-1.1781, 1.5708, 1.95, 43),
-    (-0.7854, 3.9270, 2.35, 26),
-    (-0.3927, 2.3562, 2.35, 26),
-    (-2.0944, 2.0944, 1.95, 3),
-    (-1.4137, 1.4137, 1.76, 6.6),
-    (-2.0944, 2.0944, 1.76, 6.6),
-)
+from shared.robot.tiago import CHAIN, JOINTS, TOOL_FRAME, URDF
 
 
 @pytest.fixture(scope="module")
@@ -37,18 +25,15 @@ def model() -> pin.Model:
     return full_model()
 
 
-def test_limits_are_those_of_the_tiago() -> None:
-    wanted = {f"arm_{side}_{i + 1}_joint": row for side in ("left", "right") for i, row in enumerate(ARM)}
-    wanted["torso_lift_joint"] = (0, 0.35, 0.07, 2000)
-    wanted["head_1_joint"] = (-1.309, 1.309, 3.0, 5.197)
-    wanted["head_2_joint"] = (-1.047, 0.785, 3.0, 2.77)
-    found = {}
-    for joint in ET.parse(URDF).getroot().iter("joint"):
-        limit = joint.find("limit")
-        if limit is not None and "finger" not in joint.attrib["name"]:
-            numbers = (float(limit.attrib[name]) for name in ("lower", "upper", "velocity", "effort"))
-            found[joint.attrib["name"]] = tuple(numbers)
-    assert found == wanted
+def test_the_model_has_the_limits_of_the_description(model: pin.Model) -> None:
+    limits = (
+        model.lowerPositionLimit,
+        model.upperPositionLimit,
+        model.velocityLimit,
+        model.effortLimit,
+    )
+    rows = zip(*(limit.tolist() for limit in limits), strict=True)
+    assert dict(zip(joint_names(model), rows, strict=True)) == JOINTS
 
 
 def test_the_tool_starts_at_the_pose_of_the_experiment_and_the_sensor_behind_it() -> None:

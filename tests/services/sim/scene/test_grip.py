@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.sim.robot.gripper import EFFORT, SPEED, TRAVEL, Gripper
-from services.sim.robot.kinematics import CHAIN
+from services.sim.robot.gripper import Gripper
 from services.sim.scene.grip import PAD_WIDTH, mean_radius
 from services.sim.scene.panel import Panel, PanelSpec
 from services.sim.scene.panel_scene import Carry, CarrySpec, Tool
 from shared import topics
 from shared.constants import GRAVITY
 from shared.messages import GripperCommand
+from shared.robot.tiago import CHAIN, FINGER_EFFORT, FINGER_SPEED, FINGER_TRAVEL
 from shared.spatial import rotation_from_vector, rotation_matrix
 from tests.services.sim.rig import Rig
 from tests.services.sim.statics import statics
@@ -42,7 +42,7 @@ class Bench:
         self,
         friction: float = 0.9,
         shift: float = 0.0,
-        opening: float = 2 * TRAVEL,
+        opening: float = 2 * FINGER_TRAVEL,
         size: tuple[float, float, float] = (1.2, 0.6, 0.05),
         mass: float = 1.5,
     ) -> None:
@@ -52,7 +52,7 @@ class Bench:
         self.body = self.panel.body
         self.gripper = Gripper()
         self.gripper.left = self.gripper.right = opening / 2.0
-        self.gripper.command(opening, EFFORT)
+        self.gripper.command(opening, FINGER_EFFORT)
         self.stand(EDGE + np.array((OVERLAP - 0.1, 0.0, shift)), FLAT)
 
     def stand(self, position: np.ndarray, rotation: np.ndarray) -> None:
@@ -75,7 +75,7 @@ class Bench:
 
     def gripped(self) -> Bench:
         """With the panel in the fingers, somebody else carrying all its weight."""
-        self.gripper.command(0.0, EFFORT)
+        self.gripper.command(0.0, FINGER_EFFORT)
         self.run(1.5)
         self.run(1.0, 0.9 * LIFT)
         self.panel.supported = False
@@ -86,20 +86,20 @@ class Bench:
 
 def test_the_fingers_move_at_their_speed_and_as_far_as_they_can() -> None:
     gripper = Gripper()
-    gripper.command(2 * TRAVEL, EFFORT)
+    gripper.command(2 * FINGER_TRAVEL, FINGER_EFFORT)
     for _ in range(100):
         gripper.advance(STEP)
-    assert gripper.opening == pytest.approx(2 * SPEED * 0.2)
+    assert gripper.opening == pytest.approx(2 * FINGER_SPEED * 0.2)
     for _ in range(1000):
         gripper.advance(STEP)
-    assert gripper.opening == pytest.approx(2 * TRAVEL)
+    assert gripper.opening == pytest.approx(2 * FINGER_TRAVEL)
     assert gripper.effort == 0.0 and not gripper.holding
 
 
 @pytest.mark.filterwarnings("error")
 def test_pads_without_friction_hold_nothing_up() -> None:
     bench = Bench(friction=0.0)
-    bench.gripper.command(0.0, EFFORT)
+    bench.gripper.command(0.0, FINGER_EFFORT)
     bench.run(1.5)
     assert bench.gripper.holding
     force, _ = bench.run(0.5, np.array((-3.0, 0.0, 0.0)))
@@ -113,7 +113,7 @@ def test_a_light_and_narrow_panel_does_not_spin_up_in_the_fingers(
     size: tuple[float, float, float], mass: float
 ) -> None:
     bench = Bench(3.5, size=size, mass=mass)
-    bench.gripper.command(0.0, EFFORT)
+    bench.gripper.command(0.0, FINGER_EFFORT)
     bench.run(1.5)
     bench.run(0.5, twist=np.array((0.2, 0.0, 0.0)))
     bench.run(1.0)
@@ -146,7 +146,7 @@ def test_one_finger_alone_holds_nothing(finger: str) -> None:
 
 def test_a_panel_that_is_off_the_middle_is_gripped_where_it_is() -> None:
     bench = Bench(shift=0.008)
-    bench.gripper.command(0.0, EFFORT)
+    bench.gripper.command(0.0, FINGER_EFFORT)
     bench.run(2.0)
     assert bench.gripper.holding
     assert bench.gripper.left - bench.gripper.right == pytest.approx(0.0, abs=0.017)
@@ -156,7 +156,7 @@ def test_a_panel_that_is_off_the_middle_is_gripped_where_it_is() -> None:
 def test_nothing_is_held_where_there_is_no_panel() -> None:
     bench = Bench()
     bench.stand(EDGE - np.array((0.2, 0.0, 0.0)), FLAT)
-    bench.gripper.command(0.0, EFFORT)
+    bench.gripper.command(0.0, FINGER_EFFORT)
     bench.run(2.0)
     assert not bench.gripper.holding and bench.gripper.opening == 0.0
 
@@ -174,7 +174,7 @@ def test_closed_fingers_bump_into_the_edge() -> None:
 def test_a_gripper_that_is_turned_wrong_bumps_into_the_panel() -> None:
     bench = Bench()
     bench.stand(bench.tool.position, np.eye(3))
-    bench.gripper.command(0.0, EFFORT)
+    bench.gripper.command(0.0, FINGER_EFFORT)
     bench.run(1.0)
     assert not bench.gripper.holding
 
@@ -183,7 +183,7 @@ def test_it_holds_up_to_the_friction_and_slips_beyond() -> None:
     bench = Bench().gripped()
     start = bench.body.position[0]
     bound = 0.9 * sum(bench.gripper.pressed)
-    assert bound == pytest.approx(0.9 * 2 * EFFORT, rel=0.03)
+    assert bound == pytest.approx(0.9 * 2 * FINGER_EFFORT, rel=0.03)
     wrench = bench.run(2.0, LIFT + np.array((0.95 * bound, 0.0, 0.0)))
     assert wrench is not None and wrench[0][0] == pytest.approx(0.95 * bound, rel=0.01)
     assert bench.body.position[0] - start == pytest.approx(0.95 * bound / 5000.0, abs=1e-4)
@@ -221,10 +221,10 @@ def test_opened_it_lets_the_panel_drop() -> None:
     bench.stand(bench.tool.position, np.eye(3))
     bench.panel.supported = False
     bench.gripper.left = bench.gripper.right = 0.0245
-    bench.gripper.command(0.0, EFFORT)
+    bench.gripper.command(0.0, FINGER_EFFORT)
     bench.run(0.5, LIFT)
     assert bench.gripper.holding
-    bench.gripper.command(2 * TRAVEL, EFFORT)
+    bench.gripper.command(2 * FINGER_TRAVEL, FINGER_EFFORT)
     bench.run(2.5)
     assert not bench.gripper.holding
     assert bench.body.position[2] < 0.35
