@@ -1,0 +1,77 @@
+"""The robot between the bus and its hardware: a bridge's ``step`` is this one's, line by line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from services.mock.commands import Motors
+from services.mock.parameters import MockParameters
+from services.mock.sensors import Sensors
+from shared.faults import Fault
+from shared.parameters import Parameters, Refused
+from shared.robot import tiago
+from shared.robot.gate import GateLimits
+from shared.robot.side import RobotSide
+from shared.service import Inputs, Output, Wiring
+from shared.topics import Query
+
+MAX_ACCELERATION, MAX_ANGULAR_ACCELERATION = 2.0, 4.0
+"""Of the tool's gate [m/s2, rad/s2]."""
+
+
+class MockRobot:
+    """Moves exactly as its gate lets it.
+
+    Attributes:
+        side: the gate, with the commands in front of it and ``state/robot`` behind it.
+        motors: where tool, base and fingers are, and how they move.
+        sensors: what is told of it; ``sensors.wrench`` (6,) [N, Nm] pushes the tool and may be set at any time.
+    """
+
+    max_delay = 0.2
+
+    def __init__(self, parameters: MockParameters) -> None:
+        self.parameters: Parameters = parameters
+        self.side = RobotSide(
+            GateLimits(
+                parameters.max_linear, parameters.max_angular, MAX_ACCELERATION, MAX_ANGULAR_ACCELERATION
+            ),
+            parameters.base_type,
+            simulated=False,
+            base=tiago.BASES[parameters.base_type],
+            gripper=tiago.GRIPPER_RANGES,
+            head=tiago.HEAD_RANGES,
+        )
+        self.motors = Motors(parameters)
+        self.sensors = Sensors(parameters, self.motors)
+        self.wiring = Wiring(
+            name="mock",
+            driver=1.0 / (parameters.rate * parameters.steps),
+            optional=RobotSide.INPUTS,
+            # A late step is no reason to stand still: the gate watches over the commands' age.
+            overrun_share=1.0,
+        )
+
+    def step(self, inputs: Inputs, dt: float) -> list[Output]:
+        """Carry out for ``dt`` [s] what the gate lets through, then tell where that has led."""
+        self.side.take(inputs)
+        self.motors.carry_out(self.side, dt)
+        return [*self.sensors.read(), *self.side.report(dt)]
+
+    def brake(self, fault: Fault, dt: float) -> list[Output]:
+        """Nothing moves while the loop does not work."""
+        self.motors.stay()
+        return self.side.hold(fault.text)
+
+    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
+        """Refuse: no query is among the wiring's."""
+        raise Refused(f"{query.key}: the mock robot answers no queries")
+
+    def apply(self, parameters: Parameters) -> None:
+        """The parameters hold for the whole run; the contract has no way to change them."""
+        self.parameters = parameters
+
+    def notes(self) -> str:
+        """Nothing to tell."""
+        return ""
