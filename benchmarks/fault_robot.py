@@ -5,19 +5,20 @@ from __future__ import annotations
 import threading
 import time
 
+from services.mock.parameters import MockParameters
+from services.mock.robot import MockRobot
 from shared.clock import SteadyClock, seconds
 from shared.loop.runner import Runner
 from shared.service import Inputs, Output
 from tests.support.spoilt_bus import SpoiltBus
-from tests.support.stub_robot import StubParameters, StubRobot
 
-RATE, TICKS = 100.0, 5
+RATE, STEPS = 100.0, 5
 """Samples per second, and looks of the gate per sample."""
 POSITION = (0.5, -0.3, 1.0)
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 
 
-class FaultRobot(StubRobot):
+class FaultRobot(MockRobot):
     """Stands still in front of a target that it is asked to move to, and notes what its gate lets through.
 
     Attributes:
@@ -30,8 +31,8 @@ class FaultRobot(StubRobot):
 
     def __init__(self, endpoint: str) -> None:
         super().__init__(
-            StubParameters(
-                rate=RATE, joint_rate=RATE, ticks=TICKS, still=True, position=POSITION, max_linear=0.3
+            MockParameters(
+                rate=RATE, pose_rate=RATE, steps=STEPS, still=True, position=POSITION, max_linear=0.3
             )
         )
         self.bus = SpoiltBus(endpoint)
@@ -50,11 +51,11 @@ class FaultRobot(StubRobot):
             runner.poll()
 
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
-        """As the stub does; notes when motion begins and ends."""
+        """As the mock does; notes when motion begins and ends."""
         began = self._clock.now_ns()
         self.longest_gap = max(self.longest_gap, dt)
         outputs = super().step(inputs, dt)
-        moving = bool(self.twist.any())
+        moving = bool(self.motors.twist.any())
         if moving and not self.moving:
             self.moving_ns = began
         if self.moving and not moving:

@@ -1,6 +1,6 @@
 """Source and sink of the chain: ``python -m benchmarks.latency.chain_probe <endpoint> <rate> <seconds>``.
 
-The stub robot with the real gate: its ``sensor/ft`` puts and the arrivals of ``command/ee_twist`` are timed on its bus.
+The mock robot with the real gate: its ``sensor/ft`` puts and the arrivals of ``command/ee_twist`` are timed on its bus.
 """
 
 from __future__ import annotations
@@ -12,6 +12,8 @@ import time
 import numpy as np
 
 from benchmarks.latency.pacing import printed
+from services.mock.parameters import MockParameters
+from services.mock.robot import MockRobot
 from shared.clock import SteadyClock, seconds
 from shared.loop.runner import Runner
 from shared.messages import ControlTarget
@@ -19,7 +21,6 @@ from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, health_to
 from shared.wire.bus import OnPayload, Work
 from shared.wire.client import Client
 from shared.wire.zenoh import ZenohBus
-from tests.support.stub_robot import StubParameters, StubRobot
 from tests.support.wait import eventually
 
 WARM_UP = 1.0
@@ -62,7 +63,7 @@ class Probe:
     def __init__(self, endpoint: str, rate: float) -> None:
         self.bus = TimedBus(endpoint)
         eventually(lambda: self.bus.living() >= set(SERVICES), PATIENCE, "wrench and controller run")
-        self.robot = StubRobot(StubParameters(rate=rate))
+        self.robot = MockRobot(MockParameters(rate=rate))
         client = Client(self.bus)
         self.health = [client.watch(health_topic(name)) for name in SERVICES]
         self._clock = SteadyClock()
@@ -72,7 +73,9 @@ class Probe:
         threading.Thread(target=self._aim, args=(client,), daemon=True).start()
 
     def _aim(self, client: Client) -> None:
-        target = ControlTarget(self.robot.position, (0.0, 0.0, 0.0, 1.0), np.full(3, 25.0), np.full(3, 10.0))
+        target = ControlTarget(
+            self.robot.motors.position, (0.0, 0.0, 0.0, 1.0), np.full(3, 25.0), np.full(3, 10.0)
+        )
         while not self._done.wait(0.2):
             client.publish(CONTROL_TARGET, target)
 
@@ -102,7 +105,7 @@ def main() -> int:
     """Print the latencies [us] and the overruns in between as JSON; 1 if no command came."""
     endpoint, rate, duration = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
     probe = Probe(endpoint, rate)
-    while not probe.robot.executes:
+    while probe.robot.side.mode != "ready":
         probe.run(0.01)
         if time.monotonic() - probe.began > PATIENCE:
             print(f"no command was executed within {PATIENCE:g} s", file=sys.stderr)

@@ -119,7 +119,7 @@ def chain(rate: float, seconds: float) -> Segment:
 
 
 def started() -> float:
-    """Time [s] from the first sample of the stub robot to the first command that its gate executes."""
+    """Time [s] from the first sample of the mock robot to the first command that its gate executes."""
     with Processes() as processes:
         probe = "benchmarks.latency.chain_probe"
         return processes.measure(probe, _services(processes), "100", "0").first_command

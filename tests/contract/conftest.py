@@ -11,9 +11,9 @@ from tests.contract.robot import Commander, Robot, RobotProcess, launch, lives_t
 
 ROBOTS = {
     "sim": RobotProcess("services.sim"),
-    "stub": RobotProcess(
-        "tests.support.stub_robot",
-        with_a_kilogram=("--set", "load=[0.0, 0.0, -9.81, 0.0, 0.0, 0.0]"),
+    "mock": RobotProcess(
+        "services.mock",
+        with_a_kilogram=("--set", "wrench=[0.0, 0.0, -9.81, 0.0, 0.0, 0.0]"),
         camera=False,
     ),
 }

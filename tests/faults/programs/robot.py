@@ -13,11 +13,12 @@ from typing import Any
 
 import msgpack
 
+from services.mock.parameters import MockParameters
+from services.mock.robot import MockRobot
 from shared.clock import SteadyClock, seconds
 from shared.loop.runner import Runner
 from shared.topics import SENSOR_FT, STATE_EE
 from tests.support.spoilt_bus import Spoil, SpoiltBus, healthy
-from tests.support.stub_robot import StubParameters, StubRobot
 
 PERIOD = 1 / 30
 """The slowest rate of the contract: what is told late or lost at it is the fault's doing, not a loaded machine's."""
@@ -52,7 +53,7 @@ def play(spoil: Spoil = healthy, rate: float = 1 / PERIOD) -> None:
 
     bus.spoil = misbehave
     clock = SteadyClock()
-    robot = StubRobot(StubParameters(rate=rate, still=True, position=POSITION))
+    robot = MockRobot(MockParameters(rate=rate, still=True, position=POSITION))
     runner = Runner(robot, bus, clock)
     print("playing", flush=True)
     while not switch["ended"]:

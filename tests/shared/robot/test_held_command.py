@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from services.mock.parameters import MockParameters
+from services.mock.robot import MockRobot
 from shared.loop.stack import Stack
 from shared.messages import GripperCommand, HeadCommand, Stop
 from shared.robot.held_command import OLDEST
@@ -12,7 +14,6 @@ from shared.service import Inputs
 from shared.topics import COMMAND_GRIPPER, COMMAND_HEAD, STATE_ROBOT, STOP, Topic
 from tests.shared.rig import Publisher
 from tests.shared.robot_rig import Process
-from tests.support.stub_robot import StubParameters, StubRobot
 
 OPEN, AWAY = GripperCommand(0.08, 16.0), HeadCommand(0.3, -0.2)
 
@@ -102,7 +103,7 @@ def test_fingers_and_head_are_told_once_to_stay_when_a_stop_is_engaged(process: 
 
 def test_what_a_task_decided_before_it_was_hung_does_not_open_the_fingers_when_it_wakes() -> None:
     stack = Stack()
-    robot = StubRobot(StubParameters())
+    robot = MockRobot(MockParameters())
     stack.add(robot)
     said: list[str] = []
     stack.client.watch(STATE_ROBOT, lambda received: said.append(received.message.reason))
@@ -112,7 +113,7 @@ def test_what_a_task_decided_before_it_was_hung_does_not_open_the_fingers_when_i
         payload = task.payload(GripperCommand(opening, 16.0), stamp=stamp)
         stack.bus.publish(COMMAND_GRIPPER.key, payload)
         stack.run(0.3)
-        return robot.opening
+        return robot.motors.opening
 
     assert send(0.0) == 0.0
     decided = task.stamp()
