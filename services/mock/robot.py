@@ -38,7 +38,7 @@ class MockRobot:
                 parameters.max_linear, parameters.max_angular, MAX_ACCELERATION, MAX_ANGULAR_ACCELERATION
             ),
             parameters.base_type,
-            simulated=False,
+            simulated=True,
             base=tiago.BASES[parameters.base_type],
             gripper=tiago.GRIPPER_RANGES,
             head=tiago.HEAD_RANGES,

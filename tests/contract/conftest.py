@@ -15,6 +15,7 @@ ROBOTS = {
         "services.mock",
         with_a_kilogram=("--set", "wrench=[0.0, 0.0, -9.81, 0.0, 0.0, 0.0]"),
         camera=False,
+        world=False,
     ),
 }
 

@@ -63,12 +63,14 @@ class RobotProcess:
         options: besides ``--robot`` and ``--connect``.
         with_a_kilogram: options with which it starts with 1 kg hanging from its tool; None if ``sim/command`` hangs it.
         camera: whether it has one.
+        world: whether it tells of a world around it, as a simulation does.
     """
 
     module: str
     options: tuple[str, ...] = ()
     with_a_kilogram: tuple[str, ...] | None = None
     camera: bool = True
+    world: bool = True
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,7 @@ def rate(heard: list[Heard]) -> float:
 
 def test_every_key_of_the_robot_and_none_of_anybody_else(robot: Robot, kind: RobotProcess) -> None:
     wanted = {topic.key for topic in ALWAYS}
-    wanted |= {SIM_WORLD.key} if robot.status.simulated else set()
+    wanted |= {SIM_WORLD.key} if kind.world else set()
     # Who listens to everything listens to the camera too.
     wanted |= {SENSOR_CAMERA.key} if kind.camera else set()
     with robot.listening("**") as samples:
@@ -85,8 +85,8 @@ def test_the_camera_delivers_while_somebody_subscribes_and_only_then(
     assert pictures(1)[0][0].seq < header.seq + 10
 
 
-def test_a_simulation_has_a_panel_that_it_tells_of(robot: Robot) -> None:
-    if not robot.status.simulated:
+def test_a_simulation_has_a_panel_that_it_tells_of(robot: Robot, kind: RobotProcess) -> None:
+    if not kind.world:
         pytest.skip("only a simulation tells of its world")
     for heard in messages(robot, SIM_WORLD):
         world: SimWorld = heard.message
