@@ -54,6 +54,28 @@ def write(pictures: Iterable[Picture], path: Path, rate: float) -> int:
     return count
 
 
+def render(source: Path, out: Path, rate: float = 15.0, speed: float = 3.0) -> int:
+    """Render a recording to a film, and that of a carry to stills beside it as well; returns the number of pictures.
+
+    Args:
+        source: NPZ file of the recording.
+        out: MP4 file to write; its folder exists.
+        rate: pictures per second.
+        speed: how many times faster than it happened.
+
+    Raises:
+        Misconfigured: if ``source`` holds no recording, or ``out`` has no folder; one line.
+    """
+    run = load(source)
+    folder = out.parent
+    if not folder.is_dir():
+        raise Misconfigured(f"{folder}: no such folder; make it first")
+    if isinstance(run, CarryRun):
+        imageio.imwrite(folder / STRIP, carry_film.strip(run))
+        return write(carry_film.frames(run, rate, speed), out, rate)
+    return write(load_film.frames(run, rate, speed), out, rate)
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Command line; returns the exit status."""
     parser = OneLineParser(prog="python -m services.sim.film.film", description="render a recorded run")
@@ -63,16 +85,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--speed", type=_positive, default=3.0, help="how many times faster than it happened")
     try:
         options = parser.parse_args(arguments)
-        run = load(options.recording)
-        folder = options.film.parent
-        if not folder.is_dir():
-            raise Misconfigured(f"{folder}: no such folder; make it first")
-        if isinstance(run, CarryRun):
-            imageio.imwrite(folder / STRIP, carry_film.strip(run))
-            pictures = carry_film.frames(run, options.rate, options.speed)
-        else:
-            pictures = load_film.frames(run, options.rate, options.speed)
-        count = write(pictures, options.film, options.rate)
+        count = render(options.recording, options.film, options.rate, options.speed)
     except Misconfigured as problem:
         return complain("film", problem)
     print(f"{options.film}: {count} pictures, {count / options.rate:.0f} s")
