@@ -17,7 +17,7 @@ OLDEST = 1.0
 what was right then, to open the fingers for one, need not be right any more."""
 
 
-class Setpoint(Generic[M]):
+class HeldCommand(Generic[M]):
     """The newest command of a topic.
 
     Attributes:

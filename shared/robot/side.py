@@ -9,7 +9,7 @@ import numpy as np
 from shared.messages import BaseTwistCommand, GripperCommand, HeadCommand, RobotStatus, TwistCommand
 from shared.robot.base_gate import BaseGate, BaseLimits
 from shared.robot.gate import Gate, GateLimits
-from shared.robot.held_command import Ranges, Setpoint
+from shared.robot.held_command import HeldCommand, Ranges
 from shared.schema.records import Record
 from shared.service import Inputs, Output, Reading
 from shared.spatial import Array
@@ -99,7 +99,7 @@ class RobotSide:
         self._simulated = simulated
         self._pending: _Pending[TwistCommand] = _Pending(COMMAND_EE_TWIST)
         self._pending_base: _Pending[BaseTwistCommand] = _Pending(COMMAND_BASE_TWIST)
-        self._gripper, self._head = Setpoint(COMMAND_GRIPPER, gripper), Setpoint(COMMAND_HEAD, head)
+        self._gripper, self._head = HeldCommand(COMMAND_GRIPPER, gripper), HeldCommand(COMMAND_HEAD, head)
         self.gripper: GripperCommand | None = None
         self.head: HeadCommand | None = None
         self.freeze = False
