@@ -14,8 +14,6 @@ from tests.support.spoilt_bus import SpoiltBus
 
 RATE, STEPS = 100.0, 5
 """Samples per second, and looks of the gate per sample."""
-POSITION = (0.5, -0.3, 1.0)
-LEVEL = (0.0, 0.0, 0.0, 1.0)
 
 
 class FaultRobot(MockRobot):
@@ -30,11 +28,7 @@ class FaultRobot(MockRobot):
     """
 
     def __init__(self, endpoint: str) -> None:
-        super().__init__(
-            MockParameters(
-                rate=RATE, pose_rate=RATE, steps=STEPS, still=True, position=POSITION, max_linear=0.3
-            )
-        )
+        super().__init__(MockParameters(rate=RATE, pose_rate=RATE, steps=STEPS, still=True, max_linear=0.3))
         self.bus = SpoiltBus(endpoint)
         self.stopped_ns = self.moving_ns = 0
         self.moving = False

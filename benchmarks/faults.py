@@ -17,16 +17,27 @@ from pathlib import Path
 
 import msgpack
 
-from benchmarks.fault_robot import LEVEL, POSITION, FaultRobot
+from benchmarks.fault_robot import FaultRobot
 from benchmarks.table import Row, at_most
 from shared.messages import ControlTarget, Stop
 from shared.parameters import Refused
 from shared.topics import CONTROL_TARGET, SENSOR_FT, STOP, WRENCH_TARE
 from shared.wire.bus import NoReply
 from shared.wire.client import Client
+from tests.faults.programs import (
+    LEVEL,
+    POSITION,
+    altered,
+    garbage,
+    nan_sensor,
+    only,
+    oversized,
+    silent_sensor,
+    stuck_sensor,
+)
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process
-from tests.support.spoilt_bus import healthy
+from tests.support.spoilt_bus import Spoil
 
 COMMAND = "python -m benchmarks.faults"
 LONGEST_WAIT = 120.0
@@ -139,21 +150,21 @@ class Fault:
         self.back.append((robot.moving_ns - mended) * 1e-9)
 
 
-def _spoil(change: Callable[[bytes], tuple[bytes, ...]]) -> Callable[[Stack], int]:
+def _spoil(spoil: Spoil) -> Callable[[Stack], int]:
     def inject(stack: Stack) -> int:
-        stack.robot.bus.spoil = lambda key, payload: change(payload) if key == SENSOR_FT.key else (payload,)
+        stack.robot.bus.spoil = only(SENSOR_FT, spoil)
         time.sleep(0.012)
         return stack.robot.bus.last_sent_ns[SENSOR_FT.key]
 
     return inject
 
 
-def _altered(payload: bytes, **fields: object) -> tuple[bytes, ...]:
-    return (msgpack.packb({**msgpack.unpackb(payload), **fields}),)
+def _late(_key: str, payload: bytes) -> tuple[bytes, ...]:
+    return (altered(payload, stamp=msgpack.unpackb(payload)["stamp"] - 50_000_000),)
 
 
 def _sound(stack: Stack) -> None:
-    stack.robot.bus.spoil = healthy
+    stack.robot.bus.spoil = None
 
 
 def _signal(name: str, number: signal.Signals) -> Callable[[Stack], int]:
@@ -185,29 +196,13 @@ def _stop(stack: Stack) -> int:
 
 
 def _faults() -> list[Fault]:
-    nothing: Callable[[bytes], tuple[bytes, ...]] = lambda payload: ()  # noqa: E731
     return [
-        Fault("force-torque samples stop", 0.05, _spoil(nothing), _sound),
-        Fault(
-            "a force is not a number",
-            0.05,
-            _spoil(lambda payload: _altered(payload, force=[0.0, math.nan, 0.0])),
-            _sound,
-        ),
-        Fault("garbage in place of samples", 0.05, _spoil(lambda payload: (b"\xc1" * 100,)), _sound),
-        Fault("a megabyte in place of each sample", 0.05, _spoil(lambda payload: (bytes(10**6),)), _sound),
-        Fault(
-            "one axis of the sensor stuck",
-            0.12,
-            _spoil(lambda payload: _altered(payload, force=[1.25, *msgpack.unpackb(payload)["force"][1:]])),
-            _sound,
-        ),
-        Fault(
-            "samples come 50 ms late, declared are 20",
-            0.06,
-            _spoil(lambda payload: _altered(payload, stamp=msgpack.unpackb(payload)["stamp"] - 50_000_000)),
-            _sound,
-        ),
+        Fault("force-torque samples stop", 0.05, _spoil(silent_sensor), _sound),
+        Fault("a force is not a number", 0.05, _spoil(nan_sensor), _sound),
+        Fault("garbage in place of samples", 0.05, _spoil(garbage), _sound),
+        Fault("a megabyte in place of each sample", 0.05, _spoil(oversized), _sound),
+        Fault("one axis of the sensor stuck", 0.12, _spoil(stuck_sensor), _sound),
+        Fault("samples come 50 ms late, declared are 20", 0.06, _spoil(_late), _sound),
         Fault("stop engaged", 0.02, _stop, lambda stack: None),
         Fault("controller killed", 0.06, _signal("controller", signal.SIGKILL), _restart("controller")),
         Fault("controller hung", 0.06, _signal("controller", signal.SIGSTOP), _wake("controller")),

@@ -24,7 +24,7 @@ from shared.wire.client import Client
 from shared.wire.subscription import Received
 from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
-from tests.faults.programs.robot import LEVEL, POSITION
+from tests.faults.programs import LEVEL, POSITION
 from tests.support.processes import Process
 from tests.support.wait import eventually
 
@@ -119,6 +119,14 @@ class Chain:
     def program(self, module: str, *options: str, environment: dict[str, str] | None = None) -> Process:
         return self._start(module, "--connect", self.router.endpoint, *options, environment=environment)
 
+    @contextmanager
+    def playing(self, name: str = "healthy") -> Iterator[Process]:
+        """A robot that works, and misbehaves from SIGUSR1 to SIGUSR2; nothing is harmed by it."""
+        with running(self.program("tests.faults.programs", name)) as program:
+            self.works("the healthy robot moves")
+            yield program
+        self.unharmed()
+
     def _publish_target(self) -> None:
         ahead = (POSITION[0] + 0.3, *POSITION[1:])
         target = ControlTarget(ahead, LEVEL, (25.0,) * 3, (10.0,) * 3)
@@ -132,7 +140,7 @@ class Chain:
 
     def tare(self) -> None:
         """Without it the error bound of the uncompensated sensor leaves no room within the limits."""
-        with running(self.program("tests.faults.programs.robot")):
+        with running(self.program("tests.faults.programs", "healthy")):
             eventually(self._tared, PATIENCE, "the sensor is tared")
 
     def _tared(self) -> bool:

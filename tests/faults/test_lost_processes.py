@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from shared.topics import CONTROL_TARGET, health_topic
-from tests.faults.chain import PATIENCE, Chain, running
+from tests.faults.chain import PATIENCE, Chain
 from tests.support.processes import Process
 from tests.support.wait import eventually, throughout
 
@@ -17,8 +17,7 @@ pytestmark = pytest.mark.processes
 
 @pytest.fixture
 def robot(chain: Chain) -> Iterator[Process]:
-    with running(chain.program("tests.faults.programs.robot")) as program:
-        chain.works("the healthy robot moves")
+    with chain.playing() as program:
         yield program
 
 
@@ -47,7 +46,6 @@ def test_a_killed_controller_is_missed_and_its_successor_resumes(chain: Chain, r
     successors = chain.watch.commands[first:]
     assert {command.session for command in successors} != {before}
     assert not successors[0].moves  # it brakes before it moves
-    chain.unharmed()
 
 
 def test_a_hung_controller_is_missed_and_goes_on_when_it_wakes(chain: Chain, robot: Process) -> None:
@@ -59,7 +57,6 @@ def test_a_hung_controller_is_missed_and_goes_on_when_it_wakes(chain: Chain, rob
     chain.works("the woken one moves the tool")
     # One may have been on its way when it was stopped; then it brakes for the start-up time.
     assert not any(command.moves for command in chain.watch.commands[first + 1 : first + 4])
-    chain.unharmed()
 
 
 def test_a_stopped_controller_brakes_before_it_ends(chain: Chain, robot: Process) -> None:
@@ -68,7 +65,6 @@ def test_a_stopped_controller_brakes_before_it_ends(chain: Chain, robot: Process
     eventually(lambda: not chain.watch.commands[-1].moves, PATIENCE, "the last command brakes")
     chain.controller = chain.start_controller()
     chain.works("the new one moves the tool")
-    chain.unharmed()
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
@@ -82,7 +78,6 @@ def test_a_lost_wrench_service_brakes(chain: Chain, robot: Process, number: sign
     else:
         chain.wrench.signal(signal.SIGCONT)
     chain.works("it resumes by itself")
-    chain.unharmed()
 
 
 def test_the_last_target_stays_in_force(chain: Chain, robot: Process) -> None:
@@ -101,8 +96,7 @@ def test_a_lost_router_stops_everything_and_needs_nobody_when_it_is_back(
     own_chain: Chain, number: signal.Signals
 ) -> None:
     chain = own_chain
-    with running(chain.program("tests.faults.programs.robot")):
-        chain.works("the healthy robot moves")
+    with chain.playing():
         router = chain.router.process
         router.signal(number)
         if number == signal.SIGKILL:
@@ -114,7 +108,6 @@ def test_a_lost_router_stops_everything_and_needs_nobody_when_it_is_back(
             router.signal(signal.SIGCONT)
         chain.works("it resumes by itself")
         assert "latched" not in chain.watch.reason
-    chain.unharmed()
 
 
 def test_health_of_a_service_that_starts_alone_says_what_it_waits_for(chain: Chain) -> None:

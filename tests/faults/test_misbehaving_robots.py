@@ -37,26 +37,19 @@ def released(chain: Chain) -> None:
     chain.release()
 
 
-def robot(chain: Chain, name: str):
-    return running(chain.program(f"tests.faults.programs.{name}"))
-
-
 @pytest.mark.parametrize("name", BRAKES)
 def test_brakes_and_resumes(chain: Chain, name: str) -> None:
-    with robot(chain, name) as program:
-        chain.works("the healthy robot moves")
+    with chain.playing(name) as program:
         program.signal(signal.SIGUSR1)
         chain.brakes()
         assert chain.watch.reason
         program.signal(signal.SIGUSR2)
         chain.works("it resumes by itself")
-    chain.unharmed()
 
 
 @pytest.mark.parametrize("name", LATCHES)
 def test_brakes_and_stays_so_until_released(chain: Chain, name: str) -> None:
-    with robot(chain, name) as program:
-        chain.works("the healthy robot moves")
+    with chain.playing(name) as program:
         program.signal(signal.SIGUSR1)
         chain.brakes()
         eventually(lambda: "latched" in chain.watch.reason, PATIENCE, "braking is latched")
@@ -67,13 +60,11 @@ def test_brakes_and_stays_so_until_released(chain: Chain, name: str) -> None:
         throughout(lambda: chain.watch.moved_since(count) == 0, 1.0, "no motion before the release")
         chain.release()
         chain.works("it resumes after the release")
-    chain.unharmed()
 
 
 @pytest.mark.parametrize("name", CARRIES_ON)
 def test_carries_on(chain: Chain, name: str) -> None:
-    with robot(chain, name) as program:
-        chain.works("the healthy robot moves")
+    with chain.playing(name) as program:
         before = chain.refused("wrench", SENSOR_FT.key)
         program.signal(signal.SIGUSR1)
         count = len(chain.watch.commands)
@@ -82,21 +73,17 @@ def test_carries_on(chain: Chain, name: str) -> None:
             eventually(
                 lambda: chain.refused("wrench", SENSOR_FT.key) > before + 50, PATIENCE, "refusals counted"
             )
-    chain.unharmed()
 
 
 def test_a_sequence_far_ahead_is_survived_without_help(chain: Chain) -> None:
-    with robot(chain, "jumping_sequence") as program:
-        chain.works("the healthy robot moves")
+    with chain.playing("jumping_sequence") as program:
         program.signal(signal.SIGUSR1)
         chain.brakes()
         chain.works("the true sequence is followed again")
-    chain.unharmed()
 
 
 def test_heavy_loss_brakes(chain: Chain) -> None:
-    with robot(chain, "very_lossy") as program:
-        chain.works("the healthy robot moves")
+    with chain.playing("very_lossy") as program:
         program.signal(signal.SIGUSR1)
         chain.brakes()
         program.signal(signal.SIGUSR2)
@@ -104,58 +91,47 @@ def test_heavy_loss_brakes(chain: Chain) -> None:
         eventually(chain.sensor_ok, PATIENCE, "the samples come through")
         chain.release()
         chain.works("it resumes")
-    chain.unharmed()
 
 
 def test_a_flood_harms_nothing(chain: Chain) -> None:
-    with robot(chain, "flood") as program:
-        chain.works("the healthy robot moves")
+    with chain.playing("flood") as program:
         program.signal(signal.SIGUSR1)
         throughout(chain.unharmed_so_far, 2.0, "the services live through it")
         program.signal(signal.SIGUSR2)
         chain.works("it resumes by itself")
-    chain.unharmed()
 
 
 def test_a_flood_of_queries_does_not_stop_the_tool(chain: Chain) -> None:
-    with robot(chain, "robot"):
-        chain.works("the healthy robot moves")
-        with running(chain.program("tests.faults.programs.query_flood")) as flood:
+    with chain.playing():
+        with running(chain.program("tests.faults.strangers", "query_flood")) as flood:
             flood.wait_for_output("playing")
             count = len(chain.watch.commands)
             eventually(lambda: chain.watch.moved_since(count) >= 60, PATIENCE, "it keeps moving")
             assert flood.running
         chain.works()
-    chain.unharmed()
 
 
 def test_a_second_publisher_is_refused_and_counted(chain: Chain) -> None:
-    with robot(chain, "robot"):
-        chain.works("the healthy robot moves")
+    with chain.playing():
         before = chain.refused("wrench", SENSOR_FT.key)
-        with running(chain.program("tests.faults.programs.second_publisher")):
+        with running(chain.program("tests.faults.strangers", "second_publisher")):
             eventually(
                 lambda: chain.refused("wrench", SENSOR_FT.key) > before + 50, PATIENCE, "refusals counted"
             )
         chain.works("the first one is heard")
-    chain.unharmed()
 
 
 def test_a_restarted_robot_is_followed(chain: Chain) -> None:
     for _ in range(2):
-        with robot(chain, "robot") as program:
-            chain.works("the robot moves")
+        with chain.playing() as program:
             program.kill()
             chain.brakes()
             assert "latched" not in chain.watch.reason
-    chain.unharmed()
 
 
 def test_a_robot_that_hangs_and_wakes_is_followed(chain: Chain) -> None:
-    with robot(chain, "robot") as program:
-        chain.works("the robot moves")
+    with chain.playing() as program:
         program.signal(signal.SIGSTOP)
         chain.brakes()
         program.signal(signal.SIGCONT)
         chain.works("the woken robot moves")
-    chain.unharmed()

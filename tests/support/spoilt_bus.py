@@ -9,29 +9,25 @@ from collections.abc import Callable, Iterable
 from shared.wire.zenoh import ZenohBus
 
 Spoil = Callable[[str, bytes], Iterable[bytes]]
-
-
-def healthy(_key: str, payload: bytes) -> Iterable[bytes]:
-    """The payload as it is."""
-    return (payload,)
+"""What is sent in place of a payload under a key."""
 
 
 class SpoiltBus(ZenohBus):
     """A bus on which something else is sent in place of each payload.
 
     Attributes:
-        spoil: says what.
+        spoil: says what; None: the payload itself.
         last_sent_ns: by key, when the last sound payload left.
     """
 
-    def __init__(self, endpoint: str) -> None:
+    def __init__(self, endpoint: str, spoil: Spoil | None = None) -> None:
         super().__init__(connect=endpoint)
-        self.spoil: Spoil = healthy
+        self.spoil = spoil
         self.last_sent_ns: defaultdict[str, int] = defaultdict(int)
 
     def publish(self, key: str, payload: bytes) -> None:
-        """As the bus does, but for what is spoilt."""
-        spoilt = tuple(self.spoil(key, payload))
+        """Send what ``spoil`` makes of a payload."""
+        spoilt = tuple(self.spoil(key, payload)) if self.spoil else (payload,)
         for sent in spoilt:
             super().publish(key, sent)
         if payload in spoilt:
