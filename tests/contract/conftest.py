@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from shared.topics import COMMAND_EE_TWIST, Topic
 from tests.conftest import Router, _processes
 from tests.contract.robot import Commander, Robot, RobotProcess, launch, lives_through
 
@@ -37,14 +38,16 @@ def robot(
 
 
 @pytest.fixture
-def commander(shared_router: Router) -> Iterator[Commander]:
-    commander = Commander(shared_router.endpoint)
+def topic() -> Topic:
+    """Of the commands."""
+    return COMMAND_EE_TWIST
+
+
+def _commander(shared_router: Router, topic: Topic) -> Iterator[Commander]:
+    commander = Commander(shared_router.endpoint, topic)
     yield commander
     commander.close()
 
 
-@pytest.fixture
-def second(shared_router: Router) -> Iterator[Commander]:
-    commander = Commander(shared_router.endpoint)
-    yield commander
-    commander.close()
+commander = pytest.fixture(_commander, name="commander")
+second = pytest.fixture(_commander, name="second")

@@ -60,14 +60,12 @@ class RobotProcess:
 
     Attributes:
         module: for ``python -m``.
-        options: besides ``--robot`` and ``--connect``.
         with_a_kilogram: options with which it starts with 1 kg hanging from its tool; None if ``sim/command`` hangs it.
         camera: whether it has one.
         world: whether it tells of a world around it, as a simulation does.
     """
 
     module: str
-    options: tuple[str, ...] = ()
     with_a_kilogram: tuple[str, ...] | None = None
     camera: bool = True
     world: bool = True
@@ -265,4 +263,4 @@ def launch(
     name: str = NAME,
 ) -> Process:
     """Start the process."""
-    return start(kind.module, "--robot", name, "--connect", endpoint, *kind.options, *options)
+    return start(kind.module, "--robot", name, "--connect", endpoint, *options)
