@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from services.task.fingers import Fingers
 from services.task.geometry import Pose, roll_since
-from services.task.level import LevelAssist, unlevel
-from services.task.nominal import NominalWrench
+from services.task.level_assist import LevelAssist, unlevel
+from services.task.nominal_wrench import NominalWrench
 from services.task.parameters import TaskParameters
 from services.task.release import RELEASE_FORCE, ReleaseJudge, Stance, why_no_probe, why_no_release
 from services.task.states import Decision, Seen, State

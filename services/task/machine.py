@@ -14,7 +14,7 @@ from services.task.fingers import Fingers
 from services.task.geometry import Pose, roll_since
 from services.task.grasp import GraspWatch
 from services.task.journal import Entry, Recalled
-from services.task.nominal import NominalWrench
+from services.task.nominal_wrench import NominalWrench
 from services.task.parameters import TaskParameters
 from services.task.states import HELD, REACTIONS, Decision, Seen, State, patience
 

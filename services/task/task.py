@@ -11,7 +11,7 @@ from services.task.geometry import Pose
 from services.task.grasp import SLIPPED_AFTER
 from services.task.journal import Journal, boot_id, judge
 from services.task.machine import Machine
-from services.task.observe import Observer
+from services.task.observer import Observer
 from services.task.outbox import Outbox
 from services.task.parameters import TaskParameters
 from services.task.states import Decision, Seen, State

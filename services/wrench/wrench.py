@@ -10,11 +10,11 @@ import numpy as np
 
 from services.wrench.compensation import Compensation, transport
 from services.wrench.error_bound import error_bound
-from services.wrench.faults import INVALID, SILENT, SensorWatch
 from services.wrench.identification import Identified
 from services.wrench.lowpass import LowPass
 from services.wrench.measuring import Measuring, described
 from services.wrench.parameters import WrenchParameters
+from services.wrench.sensor_watch import INVALID, SILENT, SensorWatch
 from services.wrench.storage import Journal, load_payload, save_payload
 from shared.faults import Fault, FaultKind
 from shared.messages import ExternalWrench

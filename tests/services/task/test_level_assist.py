@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from services.task.geometry import Pose
-from services.task.level import DEAD_BAND, FARTHEST, RELAXATION, LevelAssist, unlevel
+from services.task.level_assist import DEAD_BAND, FARTHEST, RELAXATION, LevelAssist, unlevel
 
 LENGTH = 1.2
 angles = st.floats(-0.6, 0.6)

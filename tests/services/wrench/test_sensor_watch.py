@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.wrench.faults import SATURATED, STUCK, SensorWatch
+from services.wrench.sensor_watch import SATURATED, STUCK, SensorWatch
 from tests.services.wrench.sensor import NOISE
 
 STUCK_AFTER = 0.1

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.task.nominal import LIFT_RATE, RELEASE_RATE, NominalWrench
+from services.task.nominal_wrench import LIFT_RATE, RELEASE_RATE, NominalWrench
 from services.task.parameters import TaskParameters
 from shared.parameters import Refused
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.task.observe import GUARDED_MAX_AGE, WRENCH_MAX_AGE, Observer
+from services.task.observer import GUARDED_MAX_AGE, WRENCH_MAX_AGE, Observer
 from services.task.parameters import TaskParameters
 from services.task.states import Seen
 from services.task.vision.marker_tracker import MarkerTracker
