@@ -12,7 +12,7 @@ REST: Planar = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class SpeedLimits:
-    """A convex set of velocities around rest. A base that cannot go sideways is one whose limit there is zero.
+    """A convex set of velocities around rest; a base that cannot go sideways has a limit of zero there.
 
     Attributes:
         forwards: [m/s] along +x; ``backwards`` along -x, ``sideways`` along y.

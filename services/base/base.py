@@ -10,7 +10,7 @@ import numpy as np
 
 from services.base.admittance import REST, Admittance, SpeedLimits
 from services.base.parameters import BaseParameters
-from services.base.planar_wrench import Planar, about_base, beyond, error_about_base
+from services.base.planar_wrench import Planar, about_base, beyond_dead_band, error_about_base
 from shared.faults import SHUTDOWN, Fault
 from shared.loop.halt import Halt
 from shared.messages import BaseStatus, BaseTwistCommand, RobotStatus
@@ -28,15 +28,14 @@ from shared.topics import (
     Query,
 )
 
-TTL = 0.1
-"""Time [s] for which the robot may execute a command: three of the longest periods of a wrench."""
+TTL = 0.1  # [s] for which the robot may execute a command: three of the longest periods of a wrench
 
 
 class Base:
     """Lets the external wrench push the base about while ``base/enable`` says so; otherwise brings it to rest.
 
-    The velocity is the one commanded: what the wheels make of it is not fed back. Whatever was braking for long enough
-    to have to wait for healthy inputs again begins from rest, since no robot executes commands that are marked invalid.
+    The velocity is the one commanded: what the wheels make of it is not fed back. After a brake that is long enough to
+    wait for healthy inputs again it begins from rest, since no robot executes commands that are marked invalid.
     """
 
     wiring = Wiring(
@@ -114,7 +113,7 @@ class Base:
         )
 
     def notes(self) -> str:
-        """Why the base rests although the task may have enabled it."""
+        """Why the base rests although the task may have enabled it; empty if it need not."""
         return self._note
 
     def _feel(self, inputs: Inputs) -> Planar:
@@ -126,7 +125,7 @@ class Base:
         self._wrench = felt
         ex, ey, ez = error_about_base(wrench.error_bound.tolist(), position)
         force, torque = self._settings.dead_band_force, self._settings.dead_band_torque
-        return beyond(felt, (max(force, ex), max(force, ey), max(torque, ez)))
+        return beyond_dead_band(felt, (max(force, ex), max(force, ey), max(torque, ez)))
 
     def _enabled(self, inputs: Inputs) -> bool:
         """Whether the task enables the base: recently, and for the robot as it is since its last restart."""
@@ -158,7 +157,7 @@ class Base:
         )
 
     def _resting(self) -> str:
-        """State in which a person is needed, or the base still moves, or simply rests."""
+        """The state without following: braking if a person is needed or the base still moves, else off."""
         return "braking" if self._halt.latched or any(self._velocity) else "off"
 
     def _outputs(self, state: str) -> Iterator[Output]:
@@ -169,6 +168,6 @@ class Base:
 
 
 def _allowed_by(robot: RobotStatus) -> SpeedLimits:
-    """``state/robot.max_base`` alone; the wheels of a differential base allow nothing sideways."""
+    """What ``state/robot.max_base`` allows; the wheels of a differential base allow nothing sideways."""
     vx, vy, wz = (max(0.0, speed) for speed in robot.max_base.tolist())
     return SpeedLimits(vx, vx, 0.0 if robot.base_type == "differential" else vy, math.inf, wz)

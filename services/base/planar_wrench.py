@@ -23,7 +23,7 @@ def about_base(force: Sequence[float], torque: Sequence[float], position: Sequen
 
 
 def error_about_base(error_bound: Sequence[float], position: Sequence[float]) -> Planar:
-    """What ``about_base`` can be wrong by [N, N, Nm] if the wrench at the tool is within its bound.
+    """Largest error of ``about_base`` [N, N, Nm] while the wrench at the tool is within its bound.
 
     Args:
         error_bound: (6,) [N, Nm] at the tool.
@@ -34,8 +34,8 @@ def error_about_base(error_bound: Sequence[float], position: Sequence[float]) ->
     return ex, ey, ez + abs(x) * ey + abs(y) * ex
 
 
-def beyond(wrench: Planar, band: Planar) -> Planar:
-    """What of each element goes beyond its dead band; continuous, so that a wrench at its edge causes no jerks.
+def beyond_dead_band(wrench: Planar, band: Planar) -> Planar:
+    """The part of each element beyond its dead band; continuous, so that a wrench at the edge causes no jerks.
 
     Args:
         wrench: [N, N, Nm].

@@ -1,29 +1,28 @@
-"""Up to the grasp: feeling nothing, finding the marker, going there, closing the gripper."""
+"""The way to the grasp: feeling that the tool is free, finding the marker, going there, closing the gripper."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from services.task.geometry import Pose, outside, steep
-from services.task.grasp import GraspWatch, doubts
+from services.task.grasp import GraspWatch, grasp_doubts
 from services.task.parameters import TaskParameters
-from services.task.states import Decision, Seen, State
-from services.task.timers import Held
+from services.task.states import Decision, Observation, State
+from services.task.timers import Sustained
 
-_STILL = 0.02  # [m/s, rad/s]
-_FREE_AFTER = 0.5  # [s]
-_SWEEP_EVERY = 2.0
-"""Time [s] for which the head looks each way."""
-_OUT_OF_SIGHT, _OUT_OF_SIGHT_ANGLE = 0.03, 0.1  # [m], [rad] from the lookout pose
-_ALIGNED, _ALIGNED_ANGLE = 0.02, 0.1
-"""Before it goes in, and while: sideways distance [m] and angle [rad] from the line to the grasp."""
-_ASTRAY = 0.05
-"""Sideways distance [m] from which it goes back and begins anew: the panel was moved."""
+_STILL = 0.02  # [m/s, rad/s] below which the tool is at rest
+_FREE_AFTER = 0.5  # [s] at rest and without a force
+_SWEEP_EVERY = 2.0  # [s] for which the head looks each way
+_OUT_OF_SIGHT, _OUT_OF_SIGHT_ANGLE = (
+    0.03,
+    0.1,
+)  # [m], [rad] from the lookout pose, where the arm hides nothing
+_ALIGNED, _ALIGNED_ANGLE = 0.02, 0.1  # [m], [rad] off the line to the grasp at which the tool may go in
+_ASTRAY = 0.05  # [m] off that line from which the tool goes back and begins anew: the panel was moved
 _TURNED_MUCH = 0.5
 """Angle [rad] by which a gripper of 0.8 kg has to turn to make a tare wrong by what the torque limits allow."""
-_LAG = 0.1
-"""Largest distance [m] of the target ahead of the tool: what is in the way is pressed no harder by waiting longer."""
-_THERE, _THERE_ANGLE = 0.01, 0.05  # [m], [rad]
+_LAG = 0.1  # [m] of the target ahead of the tool: waiting longer presses no harder on what is in the way
+_THERE, _THERE_ANGLE = 0.01, 0.05  # [m], [rad] from the grasp
 
 
 class Approach:
@@ -34,17 +33,17 @@ class Approach:
         self._rest = tool
         self._offset = Pose.from_rpy(parameters.grasp_position, parameters.grasp_rpy)
         self._lookout = Pose.from_rpy(parameters.lookout_position, parameters.lookout_rpy)
-        self._free = Held(_FREE_AFTER)
+        self._free = Sustained(_FREE_AFTER)
         self._watch = GraspWatch()
         self._way = 0.0
         self._time = self._total = 0.0
 
     def enter(self, tool: Pose) -> None:
-        """Another state begins, with the tool there."""
+        """Begin another state, with the tool at this pose."""
         self._rest, self._time = tool, 0.0
 
-    def calibrate(self, seen: Seen, dt: float) -> Decision:
-        """Wait until a compensated wrench says that nothing touches the tool."""
+    def calibrate(self, seen: Observation, dt: float) -> Decision:
+        """Wait until the compensated wrench says that nothing touches the tool."""
         limit = self._settings.free_force
         force = 0.0 if seen.wrench is None else float(np.linalg.norm(seen.wrench[:3]))
         still = max(seen.speed, seen.turning) < _STILL
@@ -56,8 +55,8 @@ class Approach:
             reason = f"{force:.1f} N on a free tool, allowed are {limit:g} N: let go of it, or `tandem tare`"
         return Decision(reason, self._rest, head=head)
 
-    def search(self, seen: Seen, dt: float) -> Decision:
-        """Look until the marker is seen, within reach; if the head sees none all around, take the arm out of view."""
+    def search(self, seen: Observation, dt: float) -> Decision:
+        """Look for a marker within reach; if the head has seen none all around, take the arm out of its view."""
         settings = self._settings
         self._pass(dt)
         pans = (0.0, settings.head_sweep, 0.0, -settings.head_sweep)
@@ -79,8 +78,8 @@ class Approach:
             return Decision(f"gave up searching: {reason}", self._rest, after=State.HOLDING)
         return Decision(reason, self._rest, head=head)
 
-    def approach(self, seen: Seen, dt: float) -> Decision:
-        """To a point before the grasp, then straight in along the tool's x axis; only ever on a fresh pose."""
+    def approach(self, seen: Observation, dt: float) -> Decision:
+        """Go to a point before the grasp, then straight in along the tool's x axis, by a fresh marker pose only."""
         settings = self._settings
         assert seen.marker is not None, "approaching without a fresh marker pose"
         self._pass(dt)
@@ -109,10 +108,10 @@ class Approach:
         where = "going in" if self._way > 0.0 else "going to the point before the grasp"
         return Decision(f"{where}, {np.linalg.norm(ahead):.2f} m left", target)
 
-    def grasp(self, seen: Seen, dt: float) -> Decision:
-        """Close; carrying begins a second after width, effort and the gripper's word agree (CARRY 4)."""
+    def grasp(self, seen: Observation, dt: float) -> Decision:
+        """Close the gripper; carrying begins a second after its width, effort and word agree (carry 4)."""
         self._time += dt
-        reasons = grasp_doubts(seen, self._settings)
+        reasons = grasp_doubts(seen.gripper, self._settings)
         if self._watch.settled(reasons, dt):
             return Decision("lift the panel", seen.tool, after=State.CARRYING)
         if reasons and self._time > self._settings.grasp_patience:
@@ -137,10 +136,3 @@ class Approach:
     def _exhausted(self) -> bool:
         """Whether searching and approaching have taken turns for longer than each may take."""
         return self._total > self._settings.search_patience + self._settings.move_patience
-
-
-def grasp_doubts(seen: Seen, parameters: TaskParameters) -> list[str]:
-    """Why the gripper may not hold the panel, in words; empty if it does."""
-    if seen.gripper is None:
-        return ["state/gripper is silent"]
-    return doubts(seen.gripper, parameters.panel_thickness, parameters.grasp_width, parameters.grasp_effort)

@@ -1,20 +1,21 @@
-"""From the lift to the retreat: target, nominal wrench and release while the panel is held."""
+"""From the lift to the retreat: target, nominal wrench and release of a panel that is held."""
 
 from __future__ import annotations
 
 from services.task.fingers import Fingers
 from services.task.geometry import Pose, roll_since
-from services.task.level_assist import LevelAssist, unlevel
+from services.task.level_assist import LevelAssist, far_end_drop
 from services.task.nominal_wrench import NominalWrench
 from services.task.parameters import TaskParameters
 from services.task.release import RELEASE_FORCE, ReleaseJudge, Stance, why_no_probe, why_no_release
-from services.task.states import Decision, Seen, State
+from services.task.states import Decision, Observation, State
 from services.task.target import carrying_target, standing_target
-from services.task.timers import Held
+from services.task.timers import Sustained
 
-_BACK = 0.03  # [m]
-_BEYOND, _STANDS, _STUCK_AFTER = 1.2, 0.005, 1.0
-"""Share [1] of the limit along z and speed [m/s] of an arm that is pushed and does not yield, and for how long [s]."""
+_BACK = 0.03  # [m] from the end of the way back at which it is finished
+_BEYOND = 1.2  # [1] of the limit along z from which an arm that stands does not yield as it should
+_STANDS = 0.005  # [m/s] below which the arm stands
+_STUCK_AFTER = 1.0  # [s] of both
 
 
 class Carry:
@@ -23,7 +24,7 @@ class Carry:
     Args:
         parameters: of the task.
         fingers: that hold the panel.
-        home: the tool when the grasp was finished; x, y and yaw of it are the target's.
+        home: the tool when the grasp was finished; its x, y and yaw are the target's.
         height: of the target at first [m].
         nominal: what the robot carries already.
     """
@@ -42,7 +43,7 @@ class Carry:
         self.nominal = nominal or NominalWrench(parameters.half_weight)
         self._level = LevelAssist(parameters.level_assist, height)
         self._judge = ReleaseJudge()
-        self._standing = Held(_STUCK_AFTER)
+        self._standing = Sustained(_STUCK_AFTER)
         self.asked = False
         """A person said that the panel is to be let go where it is."""
         self.letting_go = False
@@ -51,8 +52,8 @@ class Carry:
         self._end: Pose | None = None
         self._place: Pose | None = None
 
-    def carry(self, seen: Seen, dt: float) -> Decision:
-        """Follow the person; the target does what CARRY 1 and 2 say, the nominal wrench what 3 says."""
+    def carry(self, seen: Observation, dt: float) -> Decision:
+        """Follow the person: target (carry 1), its height (carry 2) and nominal wrench (carry 3)."""
         settings = self._settings
         self._place = None
         height = self._height(seen, dt)
@@ -70,8 +71,8 @@ class Carry:
             reason = f"carrying; to be set down: {missing}{self._stuck(seen, dt)}"
         return Decision(f"{reason}{settings.warning}", target, force, base=True)
 
-    def release(self, seen: Seen, dt: float) -> Decision:
-        """Set down gently until the ground carries the panel, then open (CARRY 5)."""
+    def release(self, seen: Observation, dt: float) -> Decision:
+        """Set the panel down gently until the ground carries it, then open (carry 5)."""
         if self.letting_go:
             return self._open(seen, dt)
         settings = self._settings
@@ -86,22 +87,19 @@ class Carry:
             return Decision(f"carrying on: {missing}", target, force, after=State.CARRYING)
         missing_now = why_no_release(stance, self._judge.force)
         if self.asked:
-            reason = (
-                f"letting go as asked once the robot carries less than {-RELEASE_FORCE:g} N, "
-                f"now {max(0.0, -self._judge.force):.1f} N; "
-                "`release` again opens at once"
-            )
+            allowed, now = f"less than {-RELEASE_FORCE:g} N", f"{max(0.0, -self._judge.force):.1f} N"
+            reason = f"letting go as asked once the robot carries {allowed}, now {now}; `release` again opens at once"
         else:
             reason = f"setting down: {', '.join(missing_now) or 'it stands'}{self._stuck(seen, dt)}"
         return Decision(reason, target, force)
 
-    def let_go(self, seen: Seen) -> Decision:
-        """Open from now on."""
+    def let_go(self, seen: Observation) -> Decision:
+        """Open the gripper from now on."""
         self.letting_go, self._end, self._time = True, seen.tool, 0.0
         self._fingers.open()
         return Decision("opening the gripper", seen.tool)
 
-    def _open(self, seen: Seen, dt: float) -> Decision:
+    def _open(self, seen: Observation, dt: float) -> Decision:
         self._time += dt
         if self._fingers.opened(seen.gripper, dt):
             assert self._end is not None
@@ -111,18 +109,16 @@ class Carry:
             return Decision("the gripper does not open: look at it", seen.tool, after=State.HOLDING)
         return Decision("opening the gripper", self._end)
 
-    def retreat(self, seen: Seen, dt: float) -> Decision:
-        """Straight back along the tool's x axis."""
+    def retreat(self, seen: Observation, dt: float) -> Decision:
+        """Go straight back along the tool's x axis."""
         assert self._end is not None
         self._time += dt
         left = seen.tool.distance(self._end)
         if left < _BACK:
             return Decision("the panel was set down", self._end, after=State.DONE)
         if self._time > self._settings.move_patience:
-            reason = (
-                f"the way back was not finished in {self._settings.move_patience:g} s, {left:.2f} m are left"
-            )
-            return Decision(reason, seen.tool, after=State.HOLDING)
+            reason = f"the way back was not finished in {self._settings.move_patience:g} s"
+            return Decision(f"{reason}, {left:.2f} m are left", seen.tool, after=State.HOLDING)
         return Decision(f"going back, {left:.2f} m left", self._end)
 
     def _set_down(self, tool: Pose) -> Pose:
@@ -132,22 +128,22 @@ class Carry:
         self._place = self._place or tool
         return standing_target(self._place, tool, float(tool.position[2]) - self._judge.press())
 
-    def _stuck(self, seen: Seen, dt: float) -> str:
-        """That the arm does not give way to a force beyond the limit, which only its own limits keep it from."""
+    def _stuck(self, seen: Observation, dt: float) -> str:
+        """Words for an arm that stands under a force beyond the limit, as only its own limits explain; else empty."""
         settings = self._settings
         excess = abs(seen.force - self.nominal.force) - _BEYOND * settings.force_limit[2]
         if not self._standing.update(excess > 0.0 and seen.speed < _STANDS, dt):
             return ""
         return f"; the arm cannot give way any further ({seen.robot or 'the robot does not say why'})"
 
-    def _height(self, seen: Seen, dt: float) -> float:
+    def _height(self, seen: Observation, dt: float) -> float:
         settings = self._settings
         if settings.level_assist == 0.0 or seen.wrench is None:
             return float(self.home.position[2])
-        offset = unlevel(seen.tool, seen.wrench[3:], settings.panel_length, settings.level_compliance)
+        offset = far_end_drop(seen.tool, seen.wrench[3:], settings.panel_length, settings.level_compliance)
         return self._level.update(float(seen.tool.position[2]), offset, dt)
 
-    def _stance(self, seen: Seen) -> Stance:
+    def _stance(self, seen: Observation) -> Stance:
         return Stance(
             roll=roll_since(self.home, seen.tool),
             pitch=float(seen.tool.rpy[1]),

@@ -1,17 +1,18 @@
-"""What a person may ask of the task; the states behind it are the machine's."""
+"""What a person may ask of the task: start, abort, release and reset."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
-from services.task.approach import Approach, grasp_doubts
+from services.task.approach import Approach
 from services.task.carry import Carry
-from services.task.faults import Kind, Present
+from services.task.faults import Impairment, TaskFault
 from services.task.fingers import Fingers
 from services.task.geometry import steep
+from services.task.grasp import grasp_doubts
 from services.task.parameters import TaskParameters
-from services.task.states import REACTIONS, Seen, State
+from services.task.states import REACTIONS, Observation, State
 from shared.messages import GripperState
 from shared.parameters import Refused
 
@@ -21,7 +22,7 @@ _SAID_AGAIN = 0.5
 
 
 class Commands(ABC):
-    """Start, abort, release and reset: each is done, or refused with the reason and what to do instead."""
+    """The commands of the state machine: each is done, or refused with the reason and what to do instead."""
 
     state: State
     since: float
@@ -34,11 +35,11 @@ class Commands(ABC):
     _aborted: bool
     _starting: bool
     _asked_at: float
-    _seen: Seen | None
-    _faults: Sequence[Present]
+    _seen: Observation | None
+    _faults: Sequence[TaskFault]
 
     @abstractmethod
-    def _go(self, state: State, reason: str, seen: Seen | None) -> None:
+    def _go(self, state: State, reason: str, seen: Observation | None) -> None:
         """Enter a state."""
 
     def command(self, word: object) -> State:
@@ -77,7 +78,7 @@ class Commands(ABC):
             raise Refused("the gripper holds something: `release` lets it go")
         self._open_idle(starting=True)
 
-    def _why_not_on(self, seen: Seen) -> str:
+    def _why_not_on(self, seen: Observation) -> str:
         """Why the panel in the gripper cannot be carried on with, empty if it can."""
         blocking = [fault for fault in self._faults if fault.kind in REACTIONS[State.CARRYING]]
         if blocking:
@@ -86,7 +87,7 @@ class Commands(ABC):
             return "the gripper holds nothing; `reset` begins anew"
         if self._carry is None and self._approach is None:
             return "nothing is known of how far the panel is turned; `release` lets it go"
-        if self._carry is None and (doubts := grasp_doubts(seen, self._settings)):
+        if self._carry is None and (doubts := grasp_doubts(seen.gripper, self._settings)):
             return f"the grasp failed: {', '.join(doubts)}; `release` lets go"
         return steep(seen.tool)
 
@@ -116,7 +117,7 @@ class Commands(ABC):
         else:
             raise Refused(f"release in state {self.state.value}: nothing is held")
 
-    def _holds(self, seen: Seen) -> bool:
+    def _holds(self, seen: Observation) -> bool:
         """Whether there is something in the gripper that must not fall, whoever put it there."""
         if self.state is State.HOLDING:
             return self.fingers.hold
@@ -139,14 +140,14 @@ class Commands(ABC):
             raise Refused(stopped.sentence)
 
     @property
-    def _stopped(self) -> Present | None:
-        return next((fault for fault in self._faults if fault.kind is Kind.STOPPED), None)
+    def _stopped(self) -> TaskFault | None:
+        return next((fault for fault in self._faults if fault.kind is Impairment.STOPPED), None)
 
     def _open_idle(self, starting: bool) -> None:
         self._starting, self.since = starting, 0.0
         self.fingers.open()
 
-    def _carry_from(self, seen: Seen) -> Carry:
+    def _carry_from(self, seen: Observation) -> Carry:
         """Carry on from where the tool is now, with what the robot carries and the same home.
 
         Somebody may have pulled the tool away meanwhile, while the base stood: the base brings the arm back.
@@ -157,13 +158,13 @@ class Commands(ABC):
         self._carry = Carry(self._settings, self.fingers, home, float(seen.tool.position[2]), nominal)
         return self._carry
 
-    def _known(self) -> Seen:
+    def _known(self) -> Observation:
         if self._seen is None or not self.ready:
             raise Refused(f"not yet: {self.reason}")
         return self._seen
 
 
-def _gripper(seen: Seen) -> GripperState:
+def _gripper(seen: Observation) -> GripperState:
     if seen.gripper is None:
         raise Refused("state/gripper is not known: is the robot process running?")
     return seen.gripper

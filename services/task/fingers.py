@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from services.task.parameters import TaskParameters
-from services.task.states import Grip
-from services.task.timers import Held
-from shared.messages import GripperState
+from services.task.timers import Sustained
+from shared.messages import GripperCommand, GripperState
 
-OPEN_AFTER = 0.3
-"""Time [s] for which the gripper has to say that it is open."""
+OPEN_AFTER = 0.3  # [s] for which the gripper has to say that it is open
 
 
 class Fingers:
@@ -24,19 +22,19 @@ class Fingers:
 
     def __init__(self, parameters: TaskParameters) -> None:
         self._settings = parameters
-        self._opened = Held(OPEN_AFTER)
-        self._stay: Grip | None = None
+        self._opened = Sustained(OPEN_AFTER)
+        self._stay: GripperCommand | None = None
         self._broken_off = False
         self.hold = False
         self.opening = False
 
     @property
-    def command(self) -> Grip | None:
+    def command(self) -> GripperCommand | None:
         """What the gripper has to be told at present; None if it may do what it does."""
         if self.opening:
-            return Grip(self._settings.gripper_open, self._settings.gripper_effort)
+            return GripperCommand(self._settings.gripper_open, self._settings.gripper_effort)
         if self.hold:
-            return Grip(0.0, self._settings.gripper_effort)
+            return GripperCommand(0.0, self._settings.gripper_effort)
         return self._stay
 
     @property
@@ -65,7 +63,7 @@ class Fingers:
         """Take in what is known of the gripper now."""
         if self._broken_off and gripper is not None:
             self._broken_off, self.hold = False, gripper.holding
-            self._stay = Grip(max(0.0, gripper.opening), self._settings.gripper_effort)
+            self._stay = GripperCommand(max(0.0, gripper.opening), self._settings.gripper_effort)
 
     def opened(self, gripper: GripperState | None, dt: float) -> bool:
         """Whether an opening has come to its end: the gripper says that it is open and holds nothing, for a while."""

@@ -19,13 +19,14 @@ from shared.spatial import (
 )
 
 QUARTER = math.pi / 2
-STEEPEST = math.radians(30.0)
-"""Largest pitch [rad] of a tool whose roll still means how far a panel in it is turned."""
+STEEPEST = math.radians(
+    30.0
+)  # [rad] of pitch up to which the tool's roll says how far a panel in it is turned
 
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """A frame in another one: origin (3,) [m] and rotation matrix (3, 3). Without other words: the tool in base."""
+    """A frame in another one: origin (3,) [m] and rotation matrix (3, 3); if nothing else is said, the tool in base."""
 
     position: Array
     rotation: Array
@@ -60,11 +61,11 @@ class Pose:
         return Pose(-self.rotation.T @ self.position, self.rotation.T)
 
     def shifted(self, along_x: float) -> Pose:
-        """Moved along its own x axis [m]."""
+        """The pose moved along its own x axis [m]."""
         return Pose(self.position + along_x * self.rotation[:, 0], self.rotation)
 
     def rolled_as(self, other: Pose) -> Pose:
-        """With the roll of another one: it is referred to gravity, and means the same wherever the robot stands."""
+        """The pose with the roll of another: roll refers to gravity, and means the same wherever the robot stands."""
         _, pitch, yaw = self.rpy.tolist()
         return Pose.from_rpy(self.position.tolist(), (float(other.rpy[0]), pitch, yaw))
 
@@ -77,7 +78,7 @@ class Pose:
         return float(np.linalg.norm(rotation_vector(self.rotation @ other.rotation.T)))
 
     def near(self, other: Pose, distance: float, angle: float) -> bool:
-        """Whether the other is within a distance [m] and an angle [rad]."""
+        """Whether another pose is within a distance [m] and an angle [rad]."""
         return self.distance(other) <= distance and self.angle(other) <= angle
 
     def blended(self, other: Pose, share: float) -> Pose:

@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-from services.task.timers import Held
+from services.task.parameters import TaskParameters
+from services.task.timers import Sustained
 from shared.messages import GripperState
 
-VERIFIED_AFTER = 0.3  # [s]
-SETTLED_AFTER = 1.0
-"""Time [s] after the verified closing at which the pose becomes home: the preload of the closing has gone (CARRY 4)."""
-SLIPPED_AFTER = 0.3  # [s]
+VERIFIED_AFTER = 0.3  # [s] without a doubt
+SETTLED_AFTER = 1.0  # [s] after that the pose becomes home: the preload of the closing has gone (carry 4)
+SLIPPED_AFTER = 0.3  # [s] of the word that nothing is held
 
 
-def doubts(gripper: GripperState, thickness: float, tolerance: float, effort: float) -> list[str]:
-    """Why the gripper may not hold the panel, in words.
-
-    Args:
-        gripper: as it says it is.
-        thickness: of the panel [m].
-        tolerance: of the opening [m].
-        effort: that a grasp shows at least [N].
-    """
-    reasons = []
-    if abs(gripper.opening - thickness) > tolerance:
+def grasp_doubts(gripper: GripperState | None, parameters: TaskParameters) -> list[str]:
+    """Why the gripper, as far as it is known, may not hold the panel, in words; empty if it does."""
+    if gripper is None:
+        return ["state/gripper is silent"]
+    reasons, thickness, effort = [], parameters.panel_thickness, parameters.grasp_effort
+    if abs(gripper.opening - thickness) > parameters.grasp_width:
         reasons.append(f"it is {gripper.opening * 1e3:.0f} mm wide, the panel {thickness * 1e3:.0f} mm")
     if abs(gripper.effort) < effort:
         reasons.append(f"its effort is {abs(gripper.effort):.1f} N, wanted are {effort:g} N")
@@ -31,12 +26,12 @@ def doubts(gripper: GripperState, thickness: float, tolerance: float, effort: fl
 
 
 class GraspWatch:
-    """Verified by ``doubts`` staying empty; lost again only by the gripper's own word, for as long."""
+    """A grasp over time: verified while ``grasp_doubts`` stay empty, lost only by the gripper's own word."""
 
     def __init__(self) -> None:
-        self._verified = Held(VERIFIED_AFTER)
-        self._settled = Held(SETTLED_AFTER)
-        self._slipped = Held(SLIPPED_AFTER)
+        self._verified = Sustained(VERIFIED_AFTER)
+        self._settled = Sustained(SETTLED_AFTER)
+        self._slipped = Sustained(SLIPPED_AFTER)
 
     def settled(self, reasons: list[str], dt: float) -> bool:
         """Whether the grasp is verified, and has been for a second."""

@@ -15,7 +15,7 @@ from typing import Any
 
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
-from services.task.states import Seen, State
+from services.task.states import Observation, State
 from shared.loop.files import write_whole
 
 _VERSION = 2
@@ -29,7 +29,7 @@ _UNREADABLE = (OSError, ValueError, LookupError, TypeError, AttributeError, Arit
 
 
 @dataclass(frozen=True, eq=False)
-class Entry:
+class JournalEntry:
     """One carry.
 
     Attributes:
@@ -56,7 +56,7 @@ class Entry:
 
 
 @dataclass(frozen=True, eq=False)
-class Recalled:
+class Resumption:
     """What a restart makes of its journal.
 
     Attributes:
@@ -65,8 +65,8 @@ class Recalled:
         reason: why there is no ``entry``; empty without a journal.
     """
 
-    entry: Entry | None = None
-    kept: Entry | None = None
+    entry: JournalEntry | None = None
+    kept: JournalEntry | None = None
     reason: str = ""
 
 
@@ -87,7 +87,7 @@ class Journal:
         self._alone: int | None = None
         self.problem = ""
 
-    def read(self, session: int) -> Entry | None:
+    def read(self, session: int) -> JournalEntry | None:
         """The entry of this run, else that of the last one; None without any, with a ``problem`` if it is torn."""
         if self._folder is None:
             return None
@@ -117,7 +117,7 @@ class Journal:
         files = [path for path in self._folder.glob("*.json") if path == ours or path.is_file()]
         return sorted(files, key=lambda path: (path == ours, path.lstat().st_mtime))
 
-    def write(self, session: int, entry: Entry | None, now: float) -> None:
+    def write(self, session: int, entry: JournalEntry | None, now: float) -> None:
         """Replace the file in one step, or remove it; a full disk is noted in ``problem`` and changes nothing else.
 
         What earlier runs of the robot have left goes with it: a carry that is over must not come back.
@@ -159,8 +159,13 @@ def boot_id() -> str:
 
 
 def judge(
-    entry: Entry | None, problem: str, seen: Seen, parameters: TaskParameters, now: float, boot: str = ""
-) -> Recalled:
+    entry: JournalEntry | None,
+    problem: str,
+    seen: Observation,
+    parameters: TaskParameters,
+    now: float,
+    boot: str = "",
+) -> Resumption:
     """Whether a restart may go by what it read.
 
     Args:
@@ -173,34 +178,34 @@ def judge(
     """
     assert seen.gripper is not None
     if entry is None:
-        return Recalled(reason=problem)
+        return Resumption(reason=problem)
     if not seen.gripper.holding:
         whose = "another run of the robot" if entry.session != seen.session else "this run"
-        return Recalled(reason=f"the journal is of a carry in {whose}, and the gripper holds nothing now")
+        return Resumption(reason=f"the journal is of a carry in {whose}, and the gripper holds nothing now")
     age = now - entry.written
     if entry.boot != boot or age < 0.0:
-        return Recalled(kept=entry, reason="the journal is from before a reboot")
+        return Resumption(kept=entry, reason="the journal is from before a reboot")
     if age > parameters.journal_max_age:
         how = f"{age:.0f} s old, allowed are {parameters.journal_max_age:g} s"
-        return Recalled(kept=entry, reason=f"the journal is {how}")
+        return Resumption(kept=entry, reason=f"the journal is {how}")
     if entry.mass != parameters.panel_mass:
         what = f"of a panel of {entry.mass:g} kg, panel_mass is {parameters.panel_mass:g} kg"
-        return Recalled(kept=entry, reason=f"the journal is {what}")
+        return Resumption(kept=entry, reason=f"the journal is {what}")
     if entry.session != seen.session:
-        return Recalled(
+        return Resumption(
             kept=entry, reason="the robot was restarted meanwhile, its poses mean something else now"
         )
     if entry.state not in (State.CARRYING, State.RELEASING):
-        return Recalled(kept=entry, reason=f"the task was {entry.state.value} before its restart")
+        return Resumption(kept=entry, reason=f"the task was {entry.state.value} before its restart")
     if not seen.tool.near(entry.target, parameters.resume_distance, parameters.resume_angle):
         away = seen.tool.distance(entry.target)
         text = f"the tool is {away:.2f} m and {seen.tool.angle(entry.target):.2f} rad from its last target"
         allowed = f"{parameters.resume_distance:g} m and {parameters.resume_angle:g} rad"
-        return Recalled(kept=entry, reason=f"{text}, allowed are {allowed}")
-    return Recalled(entry)
+        return Resumption(kept=entry, reason=f"{text}, allowed are {allowed}")
+    return Resumption(entry)
 
 
-def _plain(entry: Entry, now: float, boot: str) -> dict[str, Any]:
+def _plain(entry: JournalEntry, now: float, boot: str) -> dict[str, Any]:
     return {
         "version": _VERSION,
         "session": entry.session,
@@ -219,13 +224,13 @@ def _plain_pose(pose: Pose) -> list[float]:
     return [*pose.position.tolist(), *pose.orientation.tolist()]
 
 
-def _entry(plain: dict[str, Any]) -> Entry:
+def _entry(plain: dict[str, Any]) -> JournalEntry:
     if plain["version"] != _VERSION:
         raise ValueError(f"version {plain['version']}")
     session, supported, boot = plain["session"], plain["supported"], plain["boot"]
     if not isinstance(session, int) or not isinstance(supported, bool) or not isinstance(boot, str):
         raise TypeError("session, supported or boot")
-    return Entry(
+    return JournalEntry(
         session=session,
         state=State(plain["state"]),
         home=_pose(plain["home"]),

@@ -1,4 +1,4 @@
-"""Level assist: the robot's end follows the person's end up and down (CARRY 2; ours, not the paper's)."""
+"""Level assist: the robot's end follows the person's end up and down (carry 2; not in the paper)."""
 
 from __future__ import annotations
 
@@ -7,16 +7,13 @@ import math
 from services.task.geometry import Pose
 from shared.spatial import Array
 
-DEAD_BAND = 0.015
-"""Height difference [m] that is left alone."""
-FARTHEST = 0.3
-"""Largest distance [m] of the target from the tool."""
-RELAXATION = 0.02
-"""Speed [m/s] at which the target comes back to the tool inside the dead band."""
+DEAD_BAND = 0.015  # [m] of height difference that is left alone
+FARTHEST = 0.3  # [m] of the target from the tool at most
+RELAXATION = 0.02  # [m/s] at which the target comes back to the tool inside the dead band
 
 
-def unlevel(tool: Pose, torque: Array, length: float, compliance: float) -> float:
-    """By how much the far end is lower than the tool, or pressed lower [m]: o = L (sin pitch + c tau_n).
+def far_end_drop(tool: Pose, torque: Array, length: float, compliance: float) -> float:
+    """How much lower than the tool the far end is, or is pressed [m]: o = L (sin pitch + c tau_n).
 
     Args:
         tool: the tool in base; positive pitch points its x axis, along which the panel extends, down.
@@ -49,7 +46,7 @@ class LevelAssist:
 
         Args:
             height: of the tool [m].
-            offset: o [m], see ``unlevel``.
+            offset: o [m], from ``far_end_drop``.
             dt: time [s] since the last call.
         """
         if abs(offset) > DEAD_BAND:

@@ -1,4 +1,4 @@
-"""The state machine of the carrying task. It sees no clock, no bus and no image, and of faults their kinds only."""
+"""The state machine of the carrying task. It sees no clock, no bus and no image, and only the kinds of faults."""
 
 from __future__ import annotations
 
@@ -9,18 +9,26 @@ from dataclasses import replace
 from services.task.approach import Approach
 from services.task.carry import Carry
 from services.task.commands import ABORTED, Commands
-from services.task.faults import Kind, Present
+from services.task.faults import Impairment, TaskFault
 from services.task.fingers import Fingers
 from services.task.geometry import Pose, roll_since
 from services.task.grasp import GraspWatch
-from services.task.journal import Entry, Recalled
+from services.task.journal import JournalEntry, Resumption
 from services.task.nominal_wrench import NominalWrench
 from services.task.parameters import TaskParameters
-from services.task.states import HELD, REACTIONS, Decision, Seen, State, patience
+from services.task.states import REACTIONS, WITH_PANEL, Decision, Observation, State, patience
+
+_APPROACHES = {
+    State.CALIBRATING: Approach.calibrate,
+    State.SEARCHING: Approach.search,
+    State.APPROACHING: Approach.approach,
+    State.GRASPING: Approach.grasp,
+}
+_CARRIES = {State.CARRYING: Carry.carry, State.RELEASING: Carry.release, State.RETREATING: Carry.retreat}
 
 
-class Machine(Commands):
-    """The states; the commands come from its base.
+class StateMachine(Commands):
+    """The states, and what a step in each does; the commands are those of ``Commands``.
 
     Attributes:
         state: of the task.
@@ -41,18 +49,18 @@ class Machine(Commands):
         self._carry: Carry | None = None
         self._rest: Pose | None = None
         self._session = 0
-        self._cause: Present | None = None
+        self._cause: TaskFault | None = None
         self._waited = 0.0
         self._asked_at = 0.0
         self._aborted = self._starting = False
         self._watch = GraspWatch()
-        self._seen: Seen | None = None
-        self._faults: Sequence[Present] = ()
+        self._seen: Observation | None = None
+        self._faults: Sequence[TaskFault] = ()
 
-    def resume(self, recalled: Recalled, seen: Seen) -> None:
-        """Begin where the journal says that the last process stopped, or idle; with a full gripper never idle.
+    def resume(self, recalled: Resumption, seen: Observation) -> None:
+        """Begin where the last process stopped, as the journal says, or idle; never idle with a full gripper.
 
-        Somebody who has aborted already finds it holding, with what the journal says of the carry.
+        After an abort that came first it holds, with what the journal says of the carry.
         """
         assert seen.gripper is not None
         self.ready, self._seen, self._session, entry = True, seen, seen.session, recalled.entry
@@ -71,13 +79,13 @@ class Machine(Commands):
         if self._aborted:
             self._go(State.HOLDING, ABORTED, seen)
 
-    def entry(self, target: Pose | None) -> Entry | None:
+    def entry(self, target: Pose | None) -> JournalEntry | None:
         """What a restart has to know; None while nothing is held."""
         seen = self._seen
         if not self.fingers.hold or seen is None:
             return None
         carry = self._carry
-        return Entry(
+        return JournalEntry(
             session=seen.session,
             state=self.state,
             home=carry.home if carry else seen.tool,
@@ -92,14 +100,14 @@ class Machine(Commands):
         """The gravest fault that is present and concerns what is done now, in words; empty if none does."""
         concerned = REACTIONS.get(State.CARRYING if self.state is State.HOLDING else self.state, {})
         found = [fault for fault in self._faults if fault.kind in concerned]
-        return min(found, key=lambda fault: list(Kind).index(fault.kind)).sentence if found else ""
+        return min(found, key=lambda fault: list(Impairment).index(fault.kind)).sentence if found else ""
 
     @property
     def rotation(self) -> float:
-        """How far the tool has turned about its x axis since the grasp [rad]."""
+        """Turn of the tool about its x axis since the grasp [rad]."""
         return roll_since(self._carry.home, self._seen.tool) if self._carry and self._seen else 0.0
 
-    def step(self, seen: Seen | None, faults: Sequence[Present], dt: float) -> Decision:
+    def step(self, seen: Observation | None, faults: Sequence[TaskFault], dt: float) -> Decision:
         """One step.
 
         Args:
@@ -111,7 +119,7 @@ class Machine(Commands):
         if seen is not None:
             self.fingers.look(seen.gripper)
             if seen.session != self._session:
-                # Where the robot stood in its last run is not gone back to.
+                # The tool must not go back to where it was in the robot's last run.
                 self._session, self._rest = seen.session, seen.tool
         self._seen, self._faults = seen, self._with_grip(seen, faults, dt)
         decision = self._react(dt) or self._work(dt)
@@ -129,9 +137,9 @@ class Machine(Commands):
             # Without the tool's pose there is nothing to compute; the last target stays.
             self._waited = 0.0
             return None if self._seen is not None else Decision(self.reason)
-        limit, fault = min(serious, key=lambda pair: (pair[0], list(Kind).index(pair[1].kind)))
+        limit, fault = min(serious, key=lambda pair: (pair[0], list(Impairment).index(pair[1].kind)))
         if self._waited == 0.0 or self._rest is None:
-            # Not known when the waiting began, it is as soon as the pose is: nothing old is gone on to meanwhile.
+            # A pose not known when the waiting begins is taken as soon as it is: no old target is pursued meanwhile.
             self._rest = self._seen.tool if self._seen else None
         self._waited += dt
         if self._waited >= limit:
@@ -141,24 +149,23 @@ class Machine(Commands):
         if self.state is State.CALIBRATING:
             head = (self._settings.head_pan, self._settings.head_tilt)
         way_out = "; `release` again opens at once" if self._asked else ""
-        return Decision(
-            f"waiting: {fault.sentence}{way_out}",
-            self._rest,
-            self._nominal(),
-            head=head,
-        )
+        return Decision(f"waiting: {fault.sentence}{way_out}", self._rest, self._nominal(), head=head)
 
-    def _patience(self, kind: Kind) -> float | None:
+    def _patience(self, kind: Impairment) -> float | None:
         """Time [s] that is waited for a fault of a kind to go away; None if it does not matter now."""
         limit = patience(self.state, kind, self._settings)
-        if self.state is not State.RELEASING or self._carry is None or kind in (Kind.STOPPED, Kind.LOST):
+        if (
+            self.state is not State.RELEASING
+            or self._carry is None
+            or kind in (Impairment.STOPPED, Impairment.LOST)
+        ):
             return limit
         if self._carry.letting_go:
             # What has been let go cannot be held for a fault of what held it.
             return None
         if self._asked and limit is not None:
-            # Held for good by a sensor that went wrong, nobody would get the panel out of the gripper.
-            return None if kind is Kind.LOOSE else math.inf
+            # Otherwise a sensor that went wrong would keep the panel in the gripper for good.
+            return None if kind is Impairment.LOOSE else math.inf
         return limit
 
     @property
@@ -176,26 +183,14 @@ class Machine(Commands):
         if self.state is State.HOLDING:
             self._rest = self._rest or seen.tool
             if carry is not None and self._loose:
-                # What the tool does not carry any more, the limits must not be centred on.
+                # The limits must not be centred on a weight that the tool does not carry any more.
                 carry.nominal.fade(dt)
             return Decision(self._why_held(), self._rest, self._nominal())
-        steps = (
-            {}
-            if approach is None
-            else {
-                State.CALIBRATING: approach.calibrate,
-                State.SEARCHING: approach.search,
-                State.APPROACHING: approach.approach,
-                State.GRASPING: approach.grasp,
-            }
-        )
-        if carry is not None:
-            steps |= {
-                State.CARRYING: carry.carry,
-                State.RELEASING: carry.release,
-                State.RETREATING: carry.retreat,
-            }
-        return steps[self.state](seen, dt)
+        if self.state in _APPROACHES:
+            assert approach is not None
+            return _APPROACHES[self.state](approach, seen, dt)
+        assert carry is not None
+        return _CARRIES[self.state](carry, seen, dt)
 
     def _why_held(self) -> str:
         """The reason as long as it lasts, then what to do."""
@@ -208,7 +203,7 @@ class Machine(Commands):
         remedy = "`start` carries on, `release` lets go" if self.fingers.hold else "`reset` begins anew"
         return f"{remedy}; it held because {cause.sentence.partition(': `')[0]}"
 
-    def _idle(self, seen: Seen, dt: float) -> Decision:
+    def _idle(self, seen: Observation, dt: float) -> Decision:
         fingers = self.fingers
         if not fingers.opening:
             return Decision(self.reason)
@@ -225,7 +220,7 @@ class Machine(Commands):
             return Decision("the gripper does not open: look at it, then `start` again")
         return Decision("opening the gripper")
 
-    def _go(self, state: State, reason: str, seen: Seen | None) -> None:
+    def _go(self, state: State, reason: str, seen: Observation | None) -> None:
         before, self.state, self.since, self.reason, self._waited = self.state, state, 0.0, reason, 0.0
         self._cause = self._cause if state is State.HOLDING else None
         self._rest = seen.tool if seen else None
@@ -239,23 +234,25 @@ class Machine(Commands):
         if self._approach is not None and seen is not None:
             self._approach.enter(seen.tool)
 
-    def _recalled_carry(self, entry: Entry, home: Pose) -> Carry:
+    def _recalled_carry(self, entry: JournalEntry, home: Pose) -> Carry:
         nominal = NominalWrench(self._settings.half_weight, entry.nominal, entry.supported)
         return Carry(self._settings, self.fingers, home, float(entry.target.position[2]), nominal)
 
-    def _with_grip(self, seen: Seen | None, faults: Sequence[Present], dt: float) -> Sequence[Present]:
+    def _with_grip(
+        self, seen: Observation | None, faults: Sequence[TaskFault], dt: float
+    ) -> Sequence[TaskFault]:
         """The faults, with those of the grip while the panel is held."""
-        if self._carry is None or not self.fingers.hold or self.state not in HELD:
+        if self._carry is None or not self.fingers.hold or self.state not in WITH_PANEL:
             self._watch.forget()
             return faults
-        grip = [Present("slipped")] if self._watch.slipped(seen.gripper if seen else None, dt) else []
+        grip = [TaskFault("slipped")] if self._watch.slipped(seen.gripper if seen else None, dt) else []
         if seen is not None and seen.gripper is None:
-            grip.append(Present("gripper_silent"))
+            grip.append(TaskFault("gripper_silent"))
         return (*faults, *grip)
 
     @property
-    def _loose(self) -> Present | None:
-        return next((fault for fault in self._faults if fault.kind is Kind.LOOSE), None)
+    def _loose(self) -> TaskFault | None:
+        return next((fault for fault in self._faults if fault.kind is Impairment.LOOSE), None)
 
     def _nominal(self) -> float:
         return self._carry.nominal.force if self._carry and self.fingers.hold else 0.0

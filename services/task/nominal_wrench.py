@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-LIFT_RATE = 10.0
-"""Fastest taking over [N/s] (CARRY 3)."""
-RELEASE_RATE = 5.0
-"""Fading while the panel is set down [N/s] (CARRY 3)."""
-SUPPORTED_SHARE = 0.5
-"""Share [1] of half the weight from which the panel counts as lifted."""
+LIFT_RATE = 10.0  # [N/s] of taking over at most (carry 3)
+RELEASE_RATE = 5.0  # [N/s] of fading while the panel is set down (carry 3)
+SUPPORTED_SHARE = 0.5  # [1] of half the weight from which the panel counts as lifted
 
 
 class NominalWrench:
-    """Nominal force along base z [N], never above zero; whatever the roll, and no torque.
+    """Nominal force along base z, at any roll and without a torque; never above zero.
 
     Args:
         half_weight: m g / 2 [N].
-        force: to begin with [N].
+        force: at first [N].
         supported: whether the panel was lifted already.
     """
 
@@ -25,7 +22,7 @@ class NominalWrench:
         self.supported = supported
 
     def carry(self, measured: float, dt: float) -> float:
-        """Follow the measured force along z [N] downwards, by at most 10 N/s, until -m g / 2.
+        """The force [N] after following the measured one along z [N] down at ``LIFT_RATE`` at most, to -m g / 2.
 
         Taken over at once it would press the panel down before the person lifts it.
         """
@@ -35,6 +32,6 @@ class NominalWrench:
         return self.force
 
     def fade(self, dt: float) -> float:
-        """Give it back: to zero at 5 N/s. Left on, it hides from the controller that the ground carries the panel."""
+        """The force [N] after fading at ``RELEASE_RATE``; left on, it would hide that the ground carries the panel."""
         self.force = min(0.0, self.force + RELEASE_RATE * dt)
         return self.force

@@ -1,13 +1,13 @@
-"""From the newest messages to what the machine sees, and to the faults that are present."""
+"""From the newest messages to what the state machine observes, and to the faults that are present."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from services.task.faults import Kind, Present
+from services.task.faults import Impairment, TaskFault
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
-from services.task.states import Seen
+from services.task.states import Observation
 from services.task.vision.marker_tracker import MarkerTracker
 from shared.clock import seconds
 from shared.messages import Header
@@ -24,13 +24,12 @@ from shared.wire.subscription import PERIODS_TO_SILENCE, SLOWEST_PERIOD
 
 GUARDED_MAX_AGE = 0.08
 """Age [s] of a control status up to which the base may follow, or three of its periods if that is more: with a step of
-the task and one of the base it is braking 120 ms after the last command of a controller that is no more."""
-WRENCH_MAX_AGE = 0.2
-"""Age [s] of a wrench that the task still uses: its decisions take a second, those of the controller a hundredth."""
+the task and one of the base, the base brakes 120 ms after the last command of a controller that is gone."""
+WRENCH_MAX_AGE = 0.2  # [s] up to which a wrench is used: decisions of the task take a second
 
 
 class Observer:
-    """Keeps what has to be remembered between two steps: the stop, and which run of the robot this is."""
+    """Remembers what an observation depends on: the stop, the robot's session, the controller's period."""
 
     def __init__(self, parameters: TaskParameters) -> None:
         self._settings = parameters
@@ -39,7 +38,7 @@ class Observer:
         self._status: Header | None = None
         self._period = 0.0
 
-    def look(self, inputs: Inputs, tracker: MarkerTracker) -> tuple[Seen, list[Present]]:
+    def look(self, inputs: Inputs, tracker: MarkerTracker) -> tuple[Observation, list[TaskFault]]:
         """What is known now, and what is wrong."""
         tool = inputs[STATE_EE]
         faults = [
@@ -55,10 +54,10 @@ class Observer:
         ]
         wrench, gripper = inputs.get(WRENCH_EXTERNAL), inputs.get(STATE_GRIPPER)
         robot = inputs.get(STATE_ROBOT)
-        numb = any(fault.kind is Kind.NUMB for fault in faults)
+        numb = any(fault.kind is Impairment.NUMB for fault in faults)
         fresh = gripper is not None and gripper.header.valid and gripper.age <= STATE_GRIPPER.max_age
         message = tool.message
-        seen = Seen(
+        seen = Observation(
             tool=Pose.of(message.position, message.orientation),
             speed=float(np.linalg.norm(message.linear)),
             turning=float(np.linalg.norm(message.angular)),
@@ -74,7 +73,7 @@ class Observer:
         )
         return seen, faults
 
-    def _stopped(self, inputs: Inputs) -> Present | None:
+    def _stopped(self, inputs: Inputs) -> TaskFault | None:
         stop = inputs.get(STOP)
         if stop is not None and stop.new:
             if stop.message.engaged:
@@ -82,27 +81,27 @@ class Observer:
             elif stop.header.valid:
                 self._stop = None
         if self._stop is not None:
-            return Present("stop", self._stop)
+            return TaskFault("stop", self._stop)
         robot = inputs.get(STATE_ROBOT)
         if robot is not None and robot.age <= STATE_ROBOT.max_age and robot.message.mode == "stopped":
-            return Present("robot_stopped", robot.message.reason)
+            return TaskFault("robot_stopped", robot.message.reason)
         return None
 
-    def _restarted(self, session: int) -> Present | None:
+    def _restarted(self, session: int) -> TaskFault | None:
         before, self._session = self._session, session
-        return Present("robot_restarted") if before not in (None, session) else None
+        return TaskFault("robot_restarted") if before not in (None, session) else None
 
-    def _wrench(self, reading: Reading | None) -> list[Present]:
+    def _wrench(self, reading: Reading | None) -> list[TaskFault]:
         if reading is None:
-            return [Present("wrench_never")]
+            return [TaskFault("wrench_never")]
         if reading.age > WRENCH_MAX_AGE:
-            return [Present("wrench_silent", _age(reading, WRENCH_MAX_AGE))]
+            return [TaskFault("wrench_silent", _age(reading, WRENCH_MAX_AGE))]
         if not reading.header.valid or reading.message.fault:
-            return [Present("wrench_invalid", reading.message.fault)]
+            return [TaskFault("wrench_invalid", reading.message.fault)]
         if reading.message.compensation == "none":
-            return [Present("untared")]
+            return [TaskFault("untared")]
         if reading.message.compensation == "tare" and self._settings.compensation == "payload":
-            return [Present("unidentified")]
+            return [TaskFault("unidentified")]
         return []
 
     def _guarded(self, reading: Reading | None) -> bool:
@@ -116,14 +115,14 @@ class Observer:
         return reading.header.valid and reading.age <= max(GUARDED_MAX_AGE, slowest)
 
 
-def _controller(inputs: Inputs) -> Present | None:
+def _controller(inputs: Inputs) -> TaskFault | None:
     reading = inputs.get(CONTROL_STATUS)
     if reading is None:
-        return Present("controller_never")
+        return TaskFault("controller_never")
     if reading.age > CONTROL_STATUS.max_age:
-        return Present("controller_silent", _age(reading, CONTROL_STATUS.max_age))
+        return TaskFault("controller_silent", _age(reading, CONTROL_STATUS.max_age))
     if reading.message.state == "braking":
-        return Present("controller_braking", reading.message.reason)
+        return TaskFault("controller_braking", reading.message.reason)
     return None
 
 

@@ -9,18 +9,18 @@ import numpy as np
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
 from services.task.states import AT_REST, Decision, State
-from shared.messages import ControlTarget, Enable, GripperCommand, HeadCommand, MarkerPose, TaskStatus
+from shared.messages import ControlTarget, Enable, HeadCommand
 from shared.service import Output
-from shared.topics import BASE_ENABLE, COMMAND_GRIPPER, COMMAND_HEAD, CONTROL_TARGET, TASK_STATUS
+from shared.topics import BASE_ENABLE, COMMAND_GRIPPER, COMMAND_HEAD, CONTROL_TARGET
 
-_OFTEN = 0.15
-"""Time [s] between two targets, enables or statuses: 5 Hz or more, also if a step is late."""
+_OFTEN = 0.15  # [s] between two targets, enables or statuses: 5 Hz or more, also if a step is late
 _SELDOM = 0.4
-"""The same for what is sent on change: less than half of the silence after which another may command the gripper."""
+"""Time [s] between two commands that repeat the last: less than half of the silence after which another participant may
+command the gripper."""
 
 
 class _Due:
-    """Whether something is to be sent: it has changed, or the last time is too long ago."""
+    """Whether something is to be sent: it has changed, or was sent too long ago."""
 
     def __init__(self, every: float) -> None:
         self._every = every
@@ -36,7 +36,7 @@ class _Due:
 
 
 class Outbox:
-    """Makes the messages of each step.
+    """Makes the commands of each step, and tells when a status is due.
 
     Attributes:
         target: the last one sent in the present activity; None before.
@@ -69,37 +69,14 @@ class Outbox:
         if self._base_due(decision.base, dt):
             yield Output(BASE_ENABLE, Enable(decision.base))
         grip = decision.gripper
-        if grip is not None and self._gripper_due(grip, dt):
-            yield Output(COMMAND_GRIPPER, GripperCommand(grip.opening, grip.effort))
+        if grip is not None and self._gripper_due((grip.opening, grip.effort), dt):
+            yield Output(COMMAND_GRIPPER, grip)
         if decision.head is not None and self._head_due(decision.head, dt):
             yield Output(COMMAND_HEAD, HeadCommand(*decision.head))
 
-    def status(
-        self,
-        state: State,
-        since: float,
-        reason: str,
-        rotation: float,
-        height: float,
-        marker: tuple[Pose, float] | None,
-        dt: float,
-    ) -> Iterator[Output]:
-        """``task/status`` if it is due; a reason with a running number in it is no change.
-
-        Args:
-            state: of the task.
-            since: time [s] in it.
-            reason: for the human.
-            rotation: about the tool's x axis since the grasp [rad].
-            height: of the tool [m].
-            marker: pose in base and age [s].
-            dt: time [s] since the last call.
-        """
-        if self._status_due(state, dt):
-            seen = (
-                None if marker is None else MarkerPose(marker[0].position, marker[0].orientation, marker[1])
-            )
-            yield Output(TASK_STATUS, TaskStatus(state.value, since, reason, rotation, height, seen))
+    def status_due(self, state: State, dt: float) -> bool:
+        """Whether ``task/status`` is to be sent, ``dt`` [s] after the last call: another reason alone is no change."""
+        return self._status_due(state, dt)
 
     def _message(self, target: Pose) -> ControlTarget:
         return ControlTarget(

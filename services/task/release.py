@@ -6,23 +6,23 @@ import math
 from dataclasses import dataclass
 
 from services.task.geometry import QUARTER
-from services.task.timers import Held, Leaky, Smoothed
+from services.task.timers import LeakyTimer, LowPass, Sustained
 
-PROBE_ROLL, PROBE_PITCH = math.radians(15.0), math.radians(7.0)
+# All but DIP: carry 5.
+PROBE_ROLL, PROBE_PITCH = math.radians(15.0), math.radians(7.0)  # [rad] off a quarter turn, pointing up
 PROBE_HEIGHT = 0.06  # [m] above half the panel's width
 PROBE_SPEED, PROBE_TURNING = 0.03, 0.03  # [m/s], [rad/s]
-PROBE_AFTER = 0.5  # [s]
-LEAVE_ROLL, LEAVE_HEIGHT = math.radians(23.0), 0.08  # [rad], [m]
-RELEASE_ROLL, RELEASE_PITCH = math.radians(15.0), math.radians(6.0)
+PROBE_AFTER = 0.5  # [s] without a break
+LEAVE_ROLL, LEAVE_HEIGHT = math.radians(23.0), 0.08  # [rad], [m] from which the probe was a mistake
+RELEASE_ROLL, RELEASE_PITCH = math.radians(15.0), math.radians(6.0)  # [rad] off a quarter turn, pointing up
 RELEASE_HEIGHT = 0.06  # [m]: 4 cm for the ground, 2 cm for the grasp and the panel's tilt
-RELEASE_FORCE = -2.5  # [N]: the ground carries the panel
+RELEASE_FORCE = -2.5  # [N] above which the ground carries the panel
 RELEASE_AFTER = 1.0  # [s], leaky
-FORCE_FILTER = 0.1  # [s]
+FORCE_FILTER = 0.1  # [s] of the low pass
 DIP = math.radians(20.0)
 """Largest pitch [rad] that points down. It need not be close: a near end that is up shows in the tool's height. A panel
-that has turned between the fingers, while the person brought his end down first, leaves the tool like that."""
-PRESS_FORCE, PRESS_DEPTH = -1.0, 0.01  # [N], [m]: how the probe sets the panel down
-"""All of them but DIP: CARRY 5."""
+that has turned between the fingers, because the person's end came down first, leaves the tool like that."""
+PRESS_FORCE, PRESS_DEPTH = -1.0, 0.01  # [N], [m] below the tool: how the probe sets the panel down
 
 
 @dataclass(frozen=True)
@@ -58,23 +58,23 @@ class ReleaseJudge:
     """
 
     def __init__(self) -> None:
-        self._about_to_stand = Held(PROBE_AFTER)
-        self._carried = Leaky(RELEASE_AFTER)
-        self._force = Smoothed(FORCE_FILTER)
+        self._about_to_stand = Sustained(PROBE_AFTER)
+        self._carried = LeakyTimer(RELEASE_AFTER)
+        self._force = LowPass(FORCE_FILTER)
 
     @property
     def force(self) -> float:
-        """External force along z [N], through the filter of 0.1 s."""
+        """External force along z [N], low-passed."""
         return self._force.value or 0.0
 
     def may_probe(self, stance: Stance, dt: float) -> bool:
-        """Stage (a): turned, low, level and slow for 0.5 s."""
+        """Stage (a): whether the panel was turned, low, level and slow for ``PROBE_AFTER``."""
         self._force.update(stance.force, dt)
         self._carried.reset()
         return self._about_to_stand.update(not why_no_probe(stance), dt)
 
     def may_release(self, stance: Stance, dt: float, pose_matters: bool = True) -> bool:
-        """Stage (b): turned, low, level and not carrying for 1 s.
+        """Stage (b): whether the panel was turned, low, level and not carried for ``RELEASE_AFTER``.
 
         Args:
             stance: now.

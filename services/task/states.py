@@ -1,4 +1,4 @@
-"""The states of the carrying task, what a step of one sees and decides, and how each reacts to each kind of fault."""
+"""The states of the carrying task: what a step observes and decides, and how each state reacts to each fault."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from enum import Enum
 
-from services.task.faults import Kind, Present
+from services.task.faults import Impairment, TaskFault
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
-from shared.messages import GripperState
+from shared.messages import GripperCommand, GripperState
 from shared.spatial import Array
 
 
@@ -29,7 +29,7 @@ class State(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class Observation:
     """What is known at the instant of a step; None is what is not known or not to be trusted.
 
     Attributes:
@@ -52,7 +52,7 @@ class Seen:
     wrench: Array | None = None
     gripper: GripperState | None = None
     marker: Pose | None = None
-    doubt: Present | None = None
+    doubt: TaskFault | None = None
     guarded: bool = False
     robot: str = ""
 
@@ -66,14 +66,6 @@ class Seen:
         if self.wrench is None:
             raise ValueError("the external wrench is not known")
         return float(self.wrench[2])
-
-
-@dataclass(frozen=True)
-class Grip:
-    """A command to the gripper: opening [m] and effort [N]."""
-
-    opening: float
-    effort: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,34 +86,38 @@ class Decision:
     target: Pose | None = None
     nominal: float = 0.0
     base: bool = False
-    gripper: Grip | None = None
+    gripper: GripperCommand | None = None
     head: tuple[float, float] | None = None
     after: State | None = None
 
 
 _NOW, _PATIENCE, _MARKER, _FOREVER = "now", "patience", "marker_patience", "forever"
-_MOVING = {Kind.STOPPED: _NOW, Kind.LOST: _PATIENCE, Kind.NUMB: _PATIENCE, Kind.PARALYSED: _PATIENCE}
-_TARED = {**_MOVING, Kind.UNTARED: _NOW}
-REACTIONS: dict[State, dict[Kind, str]] = {
+_MOVING = {
+    Impairment.STOPPED: _NOW,
+    **dict.fromkeys((Impairment.LOST, Impairment.NUMB, Impairment.PARALYSED), _PATIENCE),
+}
+_TARED = {**_MOVING, Impairment.UNTARED: _NOW}
+_HOLDING = {**_TARED, Impairment.UNSURE: _PATIENCE, Impairment.LOOSE: _NOW}
+REACTIONS: dict[State, dict[Impairment, str]] = {
     State.CALIBRATING: {
-        **dict.fromkeys((Kind.NUMB, Kind.UNTARED, Kind.PARALYSED), _FOREVER),
-        Kind.STOPPED: _NOW,
+        Impairment.STOPPED: _NOW,
+        **dict.fromkeys((Impairment.NUMB, Impairment.UNTARED, Impairment.PARALYSED), _FOREVER),
     },
     State.SEARCHING: _TARED,
-    State.APPROACHING: {**_TARED, Kind.BLIND: _MARKER},
+    State.APPROACHING: {**_TARED, Impairment.BLIND: _MARKER},
     State.GRASPING: _TARED,
-    State.CARRYING: {**_TARED, Kind.UNSURE: _PATIENCE, Kind.LOOSE: _NOW},
-    State.RELEASING: {**_TARED, Kind.UNSURE: _PATIENCE, Kind.LOOSE: _NOW},
+    State.CARRYING: _HOLDING,
+    State.RELEASING: _HOLDING,
     State.RETREATING: _MOVING,
 }
-"""How long each state stands still for each kind of fault before it gives up to holding; what is missing it ignores."""
-HELD = (State.CARRYING, State.RELEASING, State.HOLDING)
+"""How long a state stands still for a kind of fault before it gives up to holding; it ignores a kind not named here."""
+WITH_PANEL = (State.CARRYING, State.RELEASING, State.HOLDING)
 """States in which a panel that was grasped is in the gripper, or has slipped out of it."""
 AT_REST = (State.IDLE, State.DONE)
 """States that want nothing of the robot."""
 
 
-def patience(state: State, kind: Kind, parameters: TaskParameters) -> float | None:
+def patience(state: State, kind: Impairment, parameters: TaskParameters) -> float | None:
     """Time [s] that a state waits for a fault to go away; None if it does not concern the state."""
     name = REACTIONS.get(state, {}).get(kind)
     if name is None:

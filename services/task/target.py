@@ -1,4 +1,4 @@
-"""Where the tool is wanted while carrying (CARRY 1), and while the panel is set down."""
+"""Where the tool is wanted while carrying (carry 1), and while the panel is set down."""
 
 from __future__ import annotations
 
@@ -6,17 +6,16 @@ import math
 
 from services.task.geometry import QUARTER, Pose, roll_since
 
-SNAP_BEYOND = math.radians(75.0)
-"""Roll since the grasp [rad] from which the target's is 90 degrees."""
+SNAP_BEYOND = math.radians(75.0)  # [rad] of roll since the grasp from which the target's roll is 90 degrees
 LEEWAY = math.radians(2.0)
-"""How far off 90 degrees [rad] the target leaves the roll alone. To press the last degree would take all that the small
+"""How far off 90 degrees [rad] the target leaves the roll alone: to press the last degree would take all that the small
 limit about x allows, and leave nothing for the way down."""
 
 
 def carrying_target(home: Pose, tool: Pose, height: float, fixed: bool) -> Pose:
     """The target's pose in base.
 
-    x, y and yaw are those of ``home`` in base axes, whence the base brings the tool back; pitch and roll are the tool's
+    x, y and yaw are those of ``home`` in base, to which the base brings the tool back. Pitch and roll are the tool's
     own, so that the person may tilt and turn the panel; from 15 to 2 degrees off a quarter turn the robot helps.
 
     Args:
@@ -39,8 +38,8 @@ def carrying_target(home: Pose, tool: Pose, height: float, fixed: bool) -> Pose:
 def standing_target(place: Pose, tool: Pose, height: float) -> Pose:
     """The target's pose in base while the panel is set down.
 
-    x, y and yaw stay where that began, pitch and roll are those that the ground gives the panel: whatever is pressed
-    against a panel that stands takes room in the limits, and the way down needs it.
+    x, y and yaw stay where that began, pitch and roll are as the ground gives them: what presses against
+    a panel that stands takes room in the limits that the way down needs.
 
     Args:
         place: the tool when the panel began to stand.

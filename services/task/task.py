@@ -1,4 +1,4 @@
-"""The task service: fifty steps of the state machine a second, and the marker between them."""
+"""The task service: fifty steps of the state machine a second, and between them the search for the marker."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from services.task.faults import Present
+from services.task.faults import TaskFault
 from services.task.geometry import Pose
 from services.task.grasp import SLIPPED_AFTER
 from services.task.journal import Journal, boot_id, judge
-from services.task.machine import Machine
+from services.task.machine import StateMachine
 from services.task.observer import Observer
 from services.task.outbox import Outbox
 from services.task.parameters import TaskParameters
-from services.task.states import Decision, Seen, State
-from services.task.timers import Held
+from services.task.states import Decision, Observation, State
+from services.task.timers import Sustained
 from services.task.vision.detection import BadImage, Detector
 from services.task.vision.marker_tracker import MarkerTracker
 from shared.clock import seconds
 from shared.faults import Fault, FaultKind
-from shared.messages import Enable
+from shared.messages import Enable, MarkerPose, TaskStatus
 from shared.parameters import Parameters, Refused
 from shared.service import Inputs, Output, Reading, Wiring
 from shared.topics import (
@@ -32,13 +32,13 @@ from shared.topics import (
     STATE_ROBOT,
     STOP,
     TASK_COMMAND,
+    TASK_STATUS,
     WRENCH_EXTERNAL,
     Query,
 )
 
-PERIOD = 0.02
-"""Of a step [s]: the loops of level assist and nominal wrench change within tenths of seconds."""
-_JOURNAL_EVERY = 1.0  # [s], and with each change of state
+PERIOD = 0.02  # [s] of a step: the loops of level assist and nominal wrench change within tenths of seconds
+_JOURNAL_EVERY = 1.0  # [s] between two entries, besides those at each change of state
 _LOOKING = (State.SEARCHING, State.APPROACHING)
 """States that need the marker; in all others no image is looked at."""
 _WATCHING = (State.CALIBRATING, *_LOOKING)
@@ -73,8 +73,8 @@ class Task:
         self._now = now
         self._boot = boot_id()
         self._journal = Journal(folder / "task" if folder else None, self._boot)
-        self._lost = Held(SLIPPED_AFTER)
-        self.machine = Machine(parameters)
+        self._lost = Sustained(SLIPPED_AFTER)
+        self.machine = StateMachine(parameters)
         self._observer = Observer(parameters)
         self._tracker = MarkerTracker(parameters.marker_limits())
         self._detector = Detector(parameters.marker_size)
@@ -91,11 +91,11 @@ class Task:
         seen, faults = self._observer.look(inputs, self._tracker)
         self._height = float(seen.tool.position[2])
         if not self.machine.ready and not self._resume(seen, dt):
-            yield from self._told(Decision(self.machine.reason), dt)
+            yield from self._outputs(Decision(self.machine.reason), dt)
             return
         self._session = seen.session
-        yield from self._told(self.machine.step(seen, faults, dt), dt)
-        self._look(inputs)
+        yield from self._outputs(self.machine.step(seen, faults, dt), dt)
+        self._look_for_marker(inputs)
         self._record(dt)
 
     def brake(self, fault: Fault, dt: float) -> Iterator[Output]:
@@ -106,11 +106,11 @@ class Task:
             return
         self._tracker.advance(dt)
         name = "internal" if fault.kind is FaultKind.INTERNAL else "tool"
-        decision = self.machine.step(None, [Present(name, fault.text)], dt)
+        decision = self.machine.step(None, [TaskFault(name, fault.text)], dt)
         if not self.machine.ready:
             decision = Decision(fault.text)
             self.machine.reason = fault.text
-        yield from self._told(decision, dt)
+        yield from self._outputs(decision, dt)
 
     def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
         """Answer ``task/command``.
@@ -132,7 +132,7 @@ class Task:
         """What is wrong with what the task works with; else why a restart would not know of the carry, if so."""
         return self.machine.trouble or self._journal.problem
 
-    def _resume(self, seen: Seen, dt: float) -> bool:
+    def _resume(self, seen: Observation, dt: float) -> bool:
         """Begin, once it is known whether the gripper holds something; false before."""
         if seen.gripper is None:
             self.machine.reason = "waiting for state/gripper. Is the robot process running?"
@@ -149,16 +149,22 @@ class Task:
             self._outbox.target = recalled.entry.target
         return True
 
-    def _told(self, decision: Decision, dt: float) -> Iterator[Output]:
-        machine = self.machine
+    def _outputs(self, decision: Decision, dt: float) -> Iterator[Output]:
+        machine, pose = self.machine, self._tracker.pose
         yield from self._outbox.commands(machine.state, decision, dt)
-        pose = self._tracker.pose
-        marker: tuple[Pose, float] | None = None if pose is None else (pose, self._tracker.age)
-        yield from self._outbox.status(
-            machine.state, machine.since, machine.reason, machine.rotation, self._height, marker, dt
-        )
+        if self._outbox.status_due(machine.state, dt):
+            marker = MarkerPose(pose.position, pose.orientation, self._tracker.age) if pose else None
+            says = (
+                machine.state.value,
+                machine.since,
+                machine.reason,
+                machine.rotation,
+                self._height,
+                marker,
+            )
+            yield Output(TASK_STATUS, TaskStatus(*says))
 
-    def _look(self, inputs: Inputs) -> None:
+    def _look_for_marker(self, inputs: Inputs) -> None:
         if self.machine.state not in _LOOKING:
             self._tracker.reset()
             return

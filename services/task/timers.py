@@ -1,11 +1,11 @@
-"""Conditions that have to last: never a decision by a single sample."""
+"""Conditions that have to last, so that no single sample decides."""
 
 from __future__ import annotations
 
 import math
 
 
-class Held:
+class Sustained:
     """True once a condition has held without a break for ``duration`` [s]."""
 
     def __init__(self, duration: float) -> None:
@@ -19,7 +19,7 @@ class Held:
 
     @property
     def reached(self) -> bool:
-        """Whether it had at the last update."""
+        """Whether it was true at the last update."""
         return self.time >= self._duration
 
     def reset(self) -> None:
@@ -27,8 +27,8 @@ class Held:
         self.time = 0.0
 
 
-class Leaky:
-    """True once a condition has held for ``duration`` [s] more than it has not: noise delays, and cannot block it."""
+class LeakyTimer:
+    """True once a condition has held for ``duration`` [s] more than it has not: noise delays it and cannot block it."""
 
     def __init__(self, duration: float) -> None:
         self._duration = duration
@@ -44,7 +44,7 @@ class Leaky:
         self.time = 0.0
 
 
-class Smoothed:
+class LowPass:
     """First-order low pass of time constant ``constant`` [s]; begins at the first value."""
 
     def __init__(self, constant: float) -> None:

@@ -9,12 +9,9 @@ import numpy as np
 
 from shared.spatial import Array, rotation_from_vector, rotation_vector
 
-FEWEST_SAMPLES = 10
-"""A mean and a standard deviation of fewer readings say too little."""
-LARGEST_TURN = 0.01
-"""Turn of the sensor [rad] within the window above which it counts as moving: 1 % of the weight beyond the sensor."""
-SIGMAS = 5.0
-"""Standard deviations taken as a bound: a normal error is beyond it once in 1.7 million readings."""
+FEWEST_SAMPLES = 10  # the mean and the standard deviation of fewer readings say too little
+LARGEST_TURN = 0.01  # [rad] of the sensor within the window: more is moving, and 1 % of the weight beyond it
+SIGMAS = 5.0  # standard deviations taken as a bound: a normal error is beyond it once in 1.7 million readings
 
 AXES = ("force x", "force y", "force z", "torque x", "torque y", "torque z")
 UNITS = ("N", "N", "N", "Nm", "Nm", "Nm")
@@ -51,7 +48,7 @@ class Average:
         return SIGMAS * self.std
 
 
-class Window:
+class AveragingWindow:
     """Collects readings for ``duration`` [s]; refuses those that are not of a tool at rest.
 
     Args:
@@ -66,7 +63,7 @@ class Window:
         self._rotations: list[Array] = []
 
     def add(self, reading: Array, rotation: Array, dt: float) -> bool:
-        """Take in one reading and its sensor in base, ``dt`` [s] after the last; true once the window is full."""
+        """Whether the window is full with this reading and its sensor in base, ``dt`` [s] after the last."""
         if self._readings:
             self._left -= dt
         self._readings.append(reading)

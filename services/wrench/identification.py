@@ -24,10 +24,8 @@ from services.wrench.compensation import Compensation, gravity_in_sensor
 from shared.constants import GRAVITY
 from shared.spatial import Array, skew
 
-LARGEST_CONDITION = 30.0
-"""Above this the errors of the readings come out thirty times as large in the parameters."""
-FEWEST_POSES = 3
-"""Three directions of gravity, not on one line, determine the ten unknowns."""
+LARGEST_CONDITION = 30.0  # [1] above it the readings' errors come out thirty times as large in the unknowns
+FEWEST_POSES = 3  # three directions of gravity that do not lie on one line determine the ten unknowns
 
 
 class NotExciting(ValueError):
@@ -35,7 +33,7 @@ class NotExciting(ValueError):
 
 
 @dataclass(frozen=True)
-class Identified:
+class IdentifiedPayload:
     """Result, sensor axes; the fields ``sigma_*`` are standard deviations of the fields before them.
 
     Attributes:
@@ -82,7 +80,7 @@ class Identified:
         )
 
 
-def identify(poses: list[Average]) -> Identified:
+def identify(poses: list[Average]) -> IdentifiedPayload:
     """Weight and bias from averages at several poses with nothing touching the tool.
 
     Raises:
@@ -111,7 +109,7 @@ def identify(poses: list[Average]) -> Identified:
     com = torque[:3] / force[0]
     com_variance = (np.diag(torque_covariance)[:3] + com**2 * force_covariance[0, 0]) / force[0] ** 2
     residuals = np.hstack((force_residuals, torque_residuals))
-    return Identified(
+    return IdentifiedPayload(
         mass=float(mass),
         com=com,
         force_bias=force[1:],

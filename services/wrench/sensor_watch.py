@@ -11,21 +11,20 @@ STUCK = "stuck"
 SILENT = "silent"
 INVALID = "invalid"
 
-RESOLUTION = 1e-9
-"""Difference [N, Nm] up to which two readings are the same. A living sensor's noise is far above, rounding below."""
-FEWEST_REPEATS = 2
-"""A living sensor repeats a value by chance if its steps are coarse; at 30 Hz no more than this fits into 0.1 s."""
-PERIODS_AHEAD = 2.5
-"""The value froze up to one period before its first sample; the next sample comes a period later, with jitter."""
+RESOLUTION = 1e-9  # [N, Nm] between equal readings: a living sensor's noise is far above, rounding below
+FEWEST_REPEATS = 2  # a coarse sensor repeats a value by chance; at 30 Hz no more than this fits into 0.1 s
+PERIODS_AHEAD = (
+    2.5  # a value froze up to a period before its first sample; the next is a period off, and late
+)
 
 
 class SensorWatch:
     """Tells a living sensor from one that is stuck or saturated.
 
-    An axis is stuck if it repeats one value for ``stuck_after``: the noise of a living sensor changes each reading. It
-    is reported in time for that, and until every axis has lived for as long again. A sensor whose steps are coarser
-    than its noise needs a longer ``stuck_after``. A saturated axis repeats its end value too, so saturation, which the
-    robot process declares, is asked first.
+    An axis is stuck if it repeats one value for ``stuck_after``: the noise of a living sensor changes each reading. The
+    report comes within that time, and lasts until every axis has lived for as long again. A sensor whose steps are
+    coarser than its noise needs a longer ``stuck_after``. A saturated axis repeats its end value too, so saturation,
+    which the robot process declares, comes first.
     """
 
     def __init__(self) -> None:

@@ -16,14 +16,14 @@ from typing import Any
 import numpy as np
 
 from services.wrench.compensation import Compensation
-from services.wrench.identification import Identified
+from services.wrench.identification import IdentifiedPayload
 from shared.loop.files import write_whole
 from shared.parameters import Refused
 
 _ENTRIES = 8
 
 
-def save_payload(path: Path, result: Identified) -> None:
+def save_payload(path: Path, result: IdentifiedPayload) -> None:
     """Write an identified payload as TOML.
 
     Raises:
@@ -39,7 +39,7 @@ def save_payload(path: Path, result: Identified) -> None:
         raise Refused(f"cannot write the payload to {path}: {problem.strerror}") from None
 
 
-def load_payload(path: Path) -> Identified:
+def load_payload(path: Path) -> IdentifiedPayload:
     """Read what ``save_payload`` wrote.
 
     Raises:
@@ -54,7 +54,7 @@ def load_payload(path: Path) -> Identified:
     sizes = {"residual_rms": 6, "residual_peak": 6, "noise": 6}
     scalars = ("mass", "sigma_mass", "condition", "poses")
     values: dict[str, Any] = {}
-    for item in fields(Identified):
+    for item in fields(IdentifiedPayload):
         if item.name not in content:
             raise Refused(
                 f"payload {path}: {item.name} is missing; make the file anew with `tandem identify`"
@@ -63,7 +63,7 @@ def load_payload(path: Path) -> Identified:
         values[item.name] = _numbers(path, item.name, content[item.name], size)
     if values["mass"] <= 0.0:
         raise Refused(f"payload {path}: mass is {values['mass']} kg, wanted more than 0 kg")
-    return Identified(**values)
+    return IdentifiedPayload(**values)
 
 
 def _numbers(path: Path, name: str, value: Any, size: int) -> Any:

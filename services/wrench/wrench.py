@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,9 +11,8 @@ import numpy as np
 
 from services.wrench.compensation import Compensation, transport
 from services.wrench.error_bound import error_bound
-from services.wrench.identification import Identified
-from services.wrench.lowpass import LowPass
-from services.wrench.measuring import Measuring, described
+from services.wrench.identification import IdentifiedPayload
+from services.wrench.measurements import Measurements, described
 from services.wrench.parameters import WrenchParameters
 from services.wrench.sensor_watch import INVALID, SILENT, SensorWatch
 from services.wrench.storage import Journal, load_payload, save_payload
@@ -59,7 +59,7 @@ class Wrench:
         self._journal = Journal(folder / "wrench.json" if folder else None)
         self._watch = SensorWatch()
         self._lowpass = LowPass()
-        self._measuring = Measuring(self._adopt)
+        self._measurements = Measurements(self._adopt)
         self._trouble = f"no {SENSOR_FT.key} has come in yet"
         self._session: int | None = None
         self._last: ExternalWrench | None = None
@@ -89,15 +89,15 @@ class Wrench:
         self._last = ExternalWrench(wrench[:3], wrench[3:], bound, self.compensation.kind, fault)
         self._trouble = f"the sensor is {fault}" if fault else ""
         if fault:
-            self._measuring.abort(self._trouble)
+            self._measurements.abort(self._trouble)
         else:
-            self._measuring.add(raw, rotation, dt, self.compensation)
+            self._measurements.add(raw, rotation, dt, self.compensation)
         return [Output(WRENCH_EXTERNAL, self._last, valid=not fault)]
 
     def brake(self, fault: Fault, dt: float) -> list[Output]:
         """The last values, marked invalid; nothing before the first sample, since there is no value to give."""
         self._trouble = fault.text
-        self._measuring.abort(fault.text)
+        self._measurements.abort(fault.text)
         self._lowpass.reset()
         if self._last is None:
             return []
@@ -108,18 +108,18 @@ class Wrench:
         """Answer a tare or a step of an identification; what needs an average is answered in a later step."""
         action = request.get("action")
         if query == WRENCH_IDENTIFY and action == "solve":
-            result = self._measuring.solve()
+            result = self._measurements.solve()
             self._adopt(result.compensation())
             reply({**described(result), "file": self._saved(result)})
         elif query == WRENCH_IDENTIFY and action in ("start", "cancel"):
-            self._measuring.restart(action == "start")
+            self._measurements.restart(action == "start")
             reply({"poses": 0})
         elif query == WRENCH_IDENTIFY and action != "add":
             raise Refused(f"action is {action!r}, wanted start, add, solve or cancel")
         else:
             if self._trouble:
                 raise Refused(self._trouble)
-            self._measuring.begin(
+            self._measurements.begin(
                 query == WRENCH_TARE, request.get("duration", 1.0), self._noise_bound, reply
             )
 
@@ -164,7 +164,7 @@ class Wrench:
         if self._session is not None:
             self._journal.record(self._session, self._settings.payload, compensation)
 
-    def _saved(self, result: Identified) -> str:
+    def _saved(self, result: IdentifiedPayload) -> str:
         """Where the result was written, empty if it could not be: it is in force all the same."""
         path = self._settings.payload or (self._folder and self._folder / "payload.toml")
         if not path:
@@ -175,3 +175,32 @@ class Wrench:
             self._journal.problem = str(problem)
             return ""
         return str(path)
+
+
+class LowPass:
+    """First-order low pass of the external wrench, exact for an input held over each step.
+
+    It delays what the controller sees: a ramp comes out 1 / (2 pi f) [s] late, which has to be counted in the
+    controller's `delay`. It is not credited in the error bound.
+    """
+
+    def __init__(self) -> None:
+        self._state: Array | None = None
+
+    def filter(self, value: Array, cutoff: float, dt: float) -> Array:
+        """The filtered value (6,); the first one after a start or a reset passes unchanged.
+
+        Args:
+            value: newest input (6,).
+            cutoff: corner frequency [Hz], 0 = off.
+            dt: time [s] since the last call.
+        """
+        if self._state is None or cutoff <= 0.0:
+            self._state = value
+        else:
+            self._state = self._state + (1.0 - math.exp(-2.0 * math.pi * cutoff * dt)) * (value - self._state)
+        return self._state
+
+    def reset(self) -> None:
+        """Forget the past, after a gap or a change of the compensation."""
+        self._state = None

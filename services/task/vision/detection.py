@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from services.task.geometry import Pose
-from services.task.vision import jpeg
 from services.task.vision.marker_tracker import Candidate, Solution
 from services.task.vision.subpixel_edges import MODULES, refined
 from shared.messages import CameraImage
@@ -18,17 +17,19 @@ from shared.spatial import Array, rotation_from_vector, rotation_vector
 Grey = NDArray[np.uint8]
 
 DICTIONARY = cv2.aruco.DICT_4X4_50
-_CORNER_WINDOW = 5
-"""Half the side [px] of the window in which a corner is refined at first; smaller for small markers."""
-_WINDOW_SHARE = 0.3
-"""The same as a share of a marker's module."""
-_MODULE_SAMPLES = np.linspace(0.3, 0.7, 5)
-"""Where in a module [1] its brightness is read."""
+_CORNER_WINDOW = 5  # [px] half the side of the window in which a corner is refined at first
+_WINDOW_SHARE = 0.3  # [1] of a marker's module that half a window is at most
+_MODULE_SAMPLES = np.linspace(0.3, 0.7, 5)  # [1] of a module at which its brightness is read
 _RGB_CHANNELS = 3
-MOST_PIXELS = 4_000_000
-"""More would keep the task from its other work for longer than a tenth of a second."""
-LONGEST_SIDE = 8_000
-"""Pixels; OpenCV's sampling ends at 32767."""
+MOST_PIXELS = 4_000_000  # more would keep the task from its other work for longer than a tenth of a second
+LONGEST_SIDE = 8_000  # [px], OpenCV's sampling ends at 32767
+_JPEG_START, _JPEG_FILL, _JPEG_SCAN = b"\xff\xd8", 0xFF, 0xDA
+_JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {
+    0xC4,
+    0xC8,
+    0xCC,
+}  # have the size; the three others define tables
+_JPEG_WITHOUT_LENGTH = frozenset((0x01, *range(0xD0, 0xD9)))
 
 
 class BadImage(ValueError):
@@ -94,9 +95,9 @@ class Detector:
     def _followed(
         self, grey: Grey, number: int, pose: Pose, camera: Array, distortion: Array
     ) -> list[Candidate]:
-        """The marker where it has to be, if its edges are there and the whole of its code can be read.
+        """The marker at the place where it has to be, if its edges are there and the whole of its code can be read.
 
-        The search wants white all around the square; the robot's own finger hides some of that just before the grasp.
+        The search wants white all around the square, some of which the robot's own finger hides just before the grasp.
         """
         turn = rotation_vector(pose.rotation)
         seen, _ = cv2.projectPoints(self._corners, turn, pose.position, camera, distortion)
@@ -106,7 +107,7 @@ class Detector:
         return [Candidate(number, self._solutions(exact, camera, distortion))]
 
     def _read(self, grey: Grey, corners: Array) -> int | None:
-        """The number that stands upright in a square, if half of the white along each of its edges is seen, too."""
+        """The number that stands upright in a square of which half of the white along each edge is seen; else None."""
         places = (np.arange(-1, MODULES + 1)[:, None] + _MODULE_SAMPLES).ravel()
         grid = np.stack(np.meshgrid(places, places), axis=-1).reshape(-1, 1, 2)
         square = MODULES * np.array(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)))
@@ -125,7 +126,7 @@ class Detector:
         return int(number) if known and quarters == 0 else None
 
     def _solutions(self, corners: Array, camera: Array, distortion: Array) -> tuple[Solution, ...]:
-        """Both minima of the reprojection error, the better first; each refined until it is one."""
+        """The poses at both minima of the reprojection error, each refined until it is one, the better first."""
         count, turns, shifts, _ = cv2.solvePnPGeneric(
             self._corners, corners, camera, distortion, flags=cv2.SOLVEPNP_IPPE_SQUARE
         )
@@ -166,7 +167,7 @@ def decoded(image: CameraImage) -> Grey:
         raise BadImage(f"it is {width} x {height}, allowed are {allowed}")
     data = np.frombuffer(image.data, dtype=np.uint8)
     if image.encoding == "jpeg":
-        size = jpeg.size(image.data)
+        size = jpeg_size(image.data)
         if size is None:
             raise BadImage(f"{data.size} bytes of data are no jpeg image")
         if size != (width, height):
@@ -182,3 +183,23 @@ def decoded(image: CameraImage) -> Grey:
         raise BadImage(f"{data.size} bytes of rgb8 data, wanted {width} x {height} x {_RGB_CHANNELS}")
     grey = cv2.cvtColor(data.reshape(height, width, _RGB_CHANNELS), cv2.COLOR_RGB2GRAY)
     return grey.astype(np.uint8, copy=False)
+
+
+def jpeg_size(data: bytes) -> tuple[int, int] | None:
+    """Width and height [px] in a JPEG image's header, None if this is none; nothing is decoded to find that out."""
+    if not data.startswith(_JPEG_START):
+        return None
+    at = len(_JPEG_START)
+    while at + 9 <= len(data) and data[at] == _JPEG_FILL:
+        marker = data[at + 1]
+        if marker in _JPEG_FRAMES:
+            return int.from_bytes(data[at + 7 : at + 9], "big"), int.from_bytes(data[at + 5 : at + 7], "big")
+        if marker == _JPEG_SCAN:
+            return None
+        if marker == _JPEG_FILL:
+            at += 1
+        elif marker in _JPEG_WITHOUT_LENGTH:
+            at += 2
+        else:
+            at += 2 + int.from_bytes(data[at + 2 : at + 4], "big")
+    return None

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from services.task.faults import Present
+from services.task.faults import TaskFault
 from services.task.geometry import Pose
 from shared.spatial import Array
 
-_SMOOTHING = 0.3
-"""Share [1] of a new pose in the trusted one: a single image is off by up to twice as much."""
-
-_SAME_ANGLE = 0.05
-"""Solutions closer than this [rad] are one."""
+_SMOOTHING = 0.3  # [1] share of a new pose in the trusted one: a single image is off by up to twice as much
+_SAME_ANGLE = 0.05  # [rad] between two solutions up to which they are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,13 +71,13 @@ class MarkerTracker:
         self.reset()
 
     def reset(self) -> None:
-        """Forget everything seen."""
+        """Forget every image."""
         self._pose: Pose | None = None
         self._age = 0.0
         self._confirmed = 0
         self._since_image = 0.0
         self._image_seen = False
-        self._doubt: Present | None = None
+        self._doubt: TaskFault | None = None
 
     @property
     def pose(self) -> Pose | None:
@@ -100,17 +97,17 @@ class MarkerTracker:
         return self._age
 
     @property
-    def doubt(self) -> Present | None:
+    def doubt(self) -> TaskFault | None:
         """Why there is no pose to trust; None if there is one."""
         if self.pose is not None:
             return None
         limit = self._limits.max_age
         if not self._image_seen:
-            return Present("camera_never")
+            return TaskFault("camera_never")
         if self._since_image > limit:
-            return Present("camera_silent", f"{self._since_image:.1f} s, allowed are {limit:g} s")
+            return TaskFault("camera_silent", f"{self._since_image:.1f} s, allowed are {limit:g} s")
         if self._doubt is None:
-            return Present("marker_new", f"{self._confirmed} of {self._limits.confirm} images")
+            return TaskFault("marker_new", f"{self._confirmed} of {self._limits.confirm} images")
         return self._doubt
 
     def advance(self, dt: float) -> None:
@@ -121,9 +118,9 @@ class MarkerTracker:
             self._pose, self._confirmed = None, 0
 
     def broken(self, problem: str) -> None:
-        """An image came that is of no use."""
+        """Take note of an image that is of no use."""
         self._image_seen, self._since_image = True, 0.0
-        self._doubt = Present("camera_broken", problem)
+        self._doubt = TaskFault("camera_broken", problem)
 
     def look(self, found: Sequence[Candidate], camera: Pose, age: float) -> None:
         """Take in what an image shows.
@@ -136,18 +133,18 @@ class MarkerTracker:
         self._image_seen, self._since_image = True, 0.0
         self._doubt = self._accept(found, camera, age)
 
-    def _accept(self, found: Sequence[Candidate], camera: Pose, age: float) -> Present | None:
+    def _accept(self, found: Sequence[Candidate], camera: Pose, age: float) -> TaskFault | None:
         limits = self._limits
         if age > limits.max_age:
-            return Present("marker_old", f"{age:.2f} s old, allowed are {limits.max_age:g} s")
+            return TaskFault("marker_old", f"{age:.2f} s old, allowed are {limits.max_age:g} s")
         ours = [candidate for candidate in found if candidate.number == limits.number]
         if not ours:
             others = ", ".join(str(candidate.number) for candidate in found[:5])
             if others:
-                return Present("marker_other", f"seen {others}, wanted {limits.number}")
-            return Present("marker_missing")
+                return TaskFault("marker_other", f"seen {others}, wanted {limits.number}")
+            return TaskFault("marker_missing")
         if len(ours) > 1:
-            return Present("marker_twice", f"{len(ours)} with the number {limits.number}")
+            return TaskFault("marker_twice", f"{len(ours)} with the number {limits.number}")
         doubt = self._doubtful(ours[0].solutions)
         if doubt is not None:
             return doubt
@@ -157,23 +154,23 @@ class MarkerTracker:
             away, turned = pose.distance(self._pose), pose.angle(self._pose)
             if away > limits.jump or turned > limits.jump_angle:
                 allowed = f"allowed are {limits.jump:g} m and {limits.jump_angle:g} rad"
-                return Present("marker_jump", f"{away:.2f} m and {turned:.2f} rad, {allowed}")
+                return TaskFault("marker_jump", f"{away:.2f} m and {turned:.2f} rad, {allowed}")
             pose = self._pose.blended(pose, _SMOOTHING)
         self._pose, self._age = pose, age
         self._confirmed = min(self._confirmed + 1, limits.confirm)
         return None
 
-    def _doubtful(self, solutions: Sequence[Solution]) -> Present | None:
+    def _doubtful(self, solutions: Sequence[Solution]) -> TaskFault | None:
         """Why the corners give no clear pose, if they do not."""
         limits = self._limits
         if not solutions:
-            return Present("marker_error", "no pose fits its corners")
+            return TaskFault("marker_error", "no pose fits its corners")
         best = solutions[0]
         if best.error > limits.error:
-            return Present("marker_error", f"{best.error:.2f} px, allowed are {limits.error:g} px")
+            return TaskFault("marker_error", f"{best.error:.2f} px, allowed are {limits.error:g} px")
         for other in solutions[1:]:
             apart = Pose(best.position, best.rotation).angle(Pose(other.position, other.rotation))
             if apart > _SAME_ANGLE and other.error < limits.ambiguity * best.error:
                 ratio = f"the second pose fits {other.error / max(best.error, 1e-9):.1f} times worse"
-                return Present("marker_ambiguous", f"{ratio}, wanted are {limits.ambiguity:g} times")
+                return TaskFault("marker_ambiguous", f"{ratio}, wanted are {limits.ambiguity:g} times")
         return None

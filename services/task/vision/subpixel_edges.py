@@ -15,20 +15,15 @@ from shared.spatial import Array
 Sampler = Callable[[Array], Array]
 """Brightness (n,) at points (n, 2) [px]."""
 
-MODULES = 6
-"""Of a marker along each side: its code, and the black border."""
-_SPAN = np.linspace(0.1, 0.9, 33)
-"""Where along an edge [1] it is looked at: not at its ends, where the next edge begins."""
-_ACROSS = np.linspace(-1.0, 1.0, 25)
-_REACH = 0.75
-"""How far to either side of an edge [modules]: less than the border's width, inside and outside."""
-_FARTHEST = 4.0
-"""The same at most [px]: no blur of use reaches farther, and noise grows with it."""
-_SMALLEST = 1.0
-"""Module [px] below which the border is no strip any more."""
+MODULES = 6  # of a marker along each side: its code, and the black border
+_SPAN = np.linspace(0.1, 0.9, 33)  # [1] of an edge, without its ends, where the next edge begins
+_ACROSS = np.linspace(-1.0, 1.0, 25)  # [1] of the reach to either side of an edge
+_REACH = 0.75  # [modules] to either side of an edge: less than the border's width, inside and outside
+_FARTHEST = 4.0  # [px] of that reach at most: no blur of use reaches farther, and noise grows with it
+_SMALLEST = 1.0  # [px] of a module below which the border is no strip any more
 _LEAST_CONTRAST = 8.0  # [of 255] between inside and outside of an edge
-_ROUNDS = 3
-_OUTLIER = 3.0
+_ROUNDS = 3  # of refinement: each begins at better corners
+_OUTLIER = 3.0  # [1] median distances from a line beyond which a point is none of its edge
 
 
 def refined(corners: Array, sample: Sampler) -> Array | None:

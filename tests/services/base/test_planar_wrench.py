@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from services.base.planar_wrench import about_base, beyond, error_about_base
+from services.base.planar_wrench import about_base, beyond_dead_band, error_about_base
 from shared.spatial import wrench_about
 
 numbers = st.floats(-100, 100)
@@ -45,6 +45,6 @@ def test_the_bound_about_the_base_is_attained() -> None:
 
 @given(vectors, st.tuples(*[st.floats(0, 50)] * 3))
 def test_the_dead_band_takes_its_width_and_no_more(wrench, band) -> None:
-    for left, element, half in zip(beyond(wrench, band), wrench, band, strict=True):
+    for left, element, half in zip(beyond_dead_band(wrench, band), wrench, band, strict=True):
         assert left * element >= 0.0
         assert abs(left) == pytest.approx(max(0.0, abs(element) - half))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from services.task.faults import Present
-from services.task.journal import Recalled
-from services.task.machine import Machine
+from services.task.faults import TaskFault
+from services.task.journal import Resumption
+from services.task.machine import StateMachine
 from services.task.parameters import TaskParameters
 from services.task.states import Decision, State
 from tests.services.task.toy import Toy
@@ -20,13 +20,13 @@ class Play:
     def __init__(self, **parameters: object) -> None:
         self.settings = TaskParameters(**parameters)
         self.toy = Toy(self.settings)
-        self.machine = Machine(self.settings)
-        self.faults: list[Present] = []
+        self.machine = StateMachine(self.settings)
+        self.faults: list[TaskFault] = []
         self.states: list[State] = []
         self.decision = Decision("")
         self.changed: dict[str, object] = {}
         self.opened_in: set[State] = set()
-        self.machine.resume(Recalled(), self.toy.seen())
+        self.machine.resume(Resumption(), self.toy.seen())
 
     @property
     def state(self) -> State:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.task.faults import Present
+from services.task.faults import TaskFault
 from services.task.geometry import Pose
 from services.task.states import State
 from tests.services.task.play import Play
@@ -94,7 +94,7 @@ def test_an_arm_that_may_hide_the_panel_is_taken_out_of_the_picture_once_the_hea
 ):
     play = Play()
     lookout = Pose.from_rpy(play.settings.lookout_position, play.settings.lookout_rpy)
-    play.toy.marker, play.changed = None, {"doubt": Present("marker_missing")}
+    play.toy.marker, play.changed = None, {"doubt": TaskFault("marker_missing")}
     play.reach(State.SEARCHING)
     where = play.toy.tool
     play.run(7.9)
@@ -109,7 +109,7 @@ def test_an_arm_that_may_hide_the_panel_is_taken_out_of_the_picture_once_the_hea
 def test_an_arm_in_the_lookout_pose_stands_while_the_marker_is_covered() -> None:
     play = Play()
     play.toy.tool = Pose.from_rpy(play.settings.lookout_position, play.settings.lookout_rpy)
-    play.toy.marker, play.changed = None, {"doubt": Present("marker_missing")}
+    play.toy.marker, play.changed = None, {"doubt": TaskFault("marker_missing")}
     play.reach(State.SEARCHING)
     where = play.toy.tool
     play.run(30.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from services.task.faults import Present
+from services.task.faults import TaskFault
 from services.task.states import State
 from shared.parameters import Refused
 from tests.services.task.play import Play
@@ -50,7 +50,7 @@ def test_start_with_a_full_gripper_or_a_stop_is_refused() -> None:
     play.tick()
     with pytest.raises(Refused, match="holds something"):
         play.machine.command("start")
-    play.changed, play.faults = {}, [Present("stop", "hand in the way")]
+    play.changed, play.faults = {}, [TaskFault("stop", "hand in the way")]
     play.tick()
     with pytest.raises(Refused, match="hand in the way"):
         play.machine.command("start")
@@ -65,7 +65,7 @@ def test_carrying_on_after_an_abort_keeps_the_half_weight() -> None:
     with pytest.raises(Refused, match="`release` lets it go"):
         play.machine.command("reset")
     assert play.decision.nominal == pytest.approx(-play.settings.half_weight)
-    play.faults = [Present("wrench_silent", "3 s old")]
+    play.faults = [TaskFault("wrench_silent", "3 s old")]
     play.tick()
     with pytest.raises(Refused, match="cannot carry on"):
         play.machine.command("start")

@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 import pytest
 
-from services.task.faults import Present
+from services.task.faults import TaskFault
 from services.task.states import State
 from shared.messages import GripperState
 from shared.parameters import Refused
 from tests.services.task.play import Play
 
-STOP = Present("stop", "hand in the way")
+STOP = TaskFault("stop", "hand in the way")
 STILL = 0.003  # [m]: what a step and a half of opening is
 
 
@@ -52,7 +52,7 @@ def stop_out_of_sight(play: Play) -> None:
 
 
 def abort_out_of_sight(play: Play) -> None:
-    play.faults = [Present("tool", "state/ee is silent")]
+    play.faults = [TaskFault("tool", "state/ee is silent")]
     play.tick(lost=True)
     abort_twice(play)
     play.faults = []

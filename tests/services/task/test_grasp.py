@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from services.task.grasp import GraspWatch, doubts
+from services.task.grasp import GraspWatch, grasp_doubts
+from services.task.parameters import TaskParameters
 from shared.messages import GripperState
 
 HOLDS = GripperState(0.052, 12.0, True)
@@ -15,6 +16,7 @@ DT = 0.02
     ("gripper", "words"),
     [
         (HOLDS, []),
+        (None, ["silent"]),
         (GripperState(0.052, -12.0, True), []),
         (GripperState(0.003, 12.0, True), ["3 mm wide"]),
         (GripperState(0.052, 0.5, True), ["effort"]),
@@ -22,8 +24,8 @@ DT = 0.02
         (GripperState(0.0, 0.0, False), ["wide", "effort", "nothing"]),
     ],
 )
-def test_doubts(gripper: GripperState, words: list[str]) -> None:
-    reasons = doubts(gripper, 0.05, 0.01, 3.0)
+def test_doubts(gripper: GripperState | None, words: list[str]) -> None:
+    reasons = grasp_doubts(gripper, TaskParameters(grasp_width=0.01))
     assert len(reasons) == len(words)
     assert all(word in reason for word, reason in zip(words, reasons, strict=True))
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from services.task.faults import Present
+from services.task.faults import TaskFault
 from services.task.geometry import Pose
 from services.task.states import State
 from services.task.target import LEEWAY
@@ -63,15 +63,15 @@ def test_lost_from_the_gripper_it_holds_and_carries_nothing_by_agreement(held_be
 def test_no_fault_of_a_sensor_keeps_the_panel_from_who_asks_twice(name: str, first: str) -> None:
     play = lifted()
     if first == "fault":
-        play.faults = [Present(name)]
+        play.faults = [TaskFault(name)]
         play.to(State.HOLDING, 5.0)
     assert play.machine.command("release") is State.RELEASING
-    play.faults = [Present(name)]
+    play.faults = [TaskFault(name)]
     if name.startswith("wrench"):
         play.changed = {"wrench": None}
     play.run(10.0)
     assert play.state is State.RELEASING and play.toy.gripped, "no force that is known, no opening"
-    assert Present(name).sentence in play.machine.reason and "`release` again opens" in play.machine.reason
+    assert TaskFault(name).sentence in play.machine.reason and "`release` again opens" in play.machine.reason
     play.machine.command("release")
     play.run(5.0)
     assert not play.toy.gripped and play.opened_in == {State.IDLE, State.RELEASING}
@@ -86,7 +86,7 @@ def test_an_opening_that_is_interrupted_stops(cause: str, held: bool) -> None:
     # The toy lets go with the first tenth of a millimetre; the fingers of a robot press on foam.
     play.changed = {"gripper": GripperState(play.toy.opening, 9.0, True)} if held else {}
     if cause == "stop":
-        play.faults = [Present("stop", "hand in the way")]
+        play.faults = [TaskFault("stop", "hand in the way")]
         play.tick()
     else:
         play.machine.command("abort")
@@ -137,7 +137,7 @@ def test_a_stop_breaks_off_an_opening_in_idle(word: str) -> None:
     play = Play()
     play.machine.command(word)
     play.run(0.1)
-    play.faults = [Present("stop", "hand in the way")]
+    play.faults = [TaskFault("stop", "hand in the way")]
     play.tick()
     where = play.toy.opening
     assert "broken off (stop is engaged (hand in the way))" in play.machine.reason

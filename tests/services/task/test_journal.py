@@ -10,20 +10,20 @@ from pathlib import Path
 import pytest
 
 from services.task.geometry import Pose
-from services.task.journal import Entry, Journal, judge
-from services.task.machine import Machine
+from services.task.journal import Journal, JournalEntry, judge
+from services.task.machine import StateMachine
 from services.task.parameters import TaskParameters
-from services.task.states import Seen, State
+from services.task.states import Observation, State
 from shared.messages import GripperState
 from shared.parameters import Refused
 from tests.services.task.toy import START, Toy
 
 SETTINGS = TaskParameters()
-ENTRY = Entry(1, State.CARRYING, START, START.shifted(0.05), 1.5, -7.0, True, written=100.0)
+ENTRY = JournalEntry(1, State.CARRYING, START, START.shifted(0.05), 1.5, -7.0, True, written=100.0)
 FULL, EMPTY = GripperState(0.05, 12.0, True), GripperState(0.08, 0.0, False)
 
 
-def seen(gripper: GripperState = FULL, session: int = 1, away: float = 0.0) -> Seen:
+def seen(gripper: GripperState = FULL, session: int = 1, away: float = 0.0) -> Observation:
     return Toy().seen(gripper=gripper, session=session, tool=START.shifted(away))
 
 
@@ -86,7 +86,7 @@ def test_torn_is_refused_with_the_reason(tmp_path: Path, name: str) -> None:
     path.write_text(TORN[name](path.read_text()))
     journal = Journal(tmp_path)
     assert journal.read(1) is None and "torn" in journal.problem
-    machine = Machine(SETTINGS)
+    machine = StateMachine(SETTINGS)
     machine.resume(judge(None, journal.problem, seen(), SETTINGS, 0.0), seen())
     assert machine.state is State.HOLDING and machine.fingers.hold and "torn" in machine.reason
     machine.resume(judge(None, journal.problem, seen(EMPTY), SETTINGS, 0.0), seen(EMPTY))
@@ -146,7 +146,7 @@ def test_without_a_folder_nothing_is_kept() -> None:
 
 @pytest.mark.parametrize("state", [State.CARRYING, State.RELEASING])
 def test_in_the_middle_of_carrying_it_goes_on(state: State) -> None:
-    machine = Machine(SETTINGS)
+    machine = StateMachine(SETTINGS)
     recalled = judge(replace(ENTRY, state=state), "", seen(), SETTINGS, 110.0)
     machine.resume(recalled, seen())
     assert machine.state is State.CARRYING and machine.fingers.hold
@@ -171,7 +171,7 @@ HELD = {
 def test_otherwise_a_full_gripper_is_held_where_it_is(name: str) -> None:
     entry, now_seen, now, words = HELD[name]
     sight = seen(**now_seen)
-    machine = Machine(SETTINGS)
+    machine = StateMachine(SETTINGS)
     machine.resume(judge(replace(ENTRY, **entry), "", sight, SETTINGS, now), sight)
     assert machine.state is State.HOLDING and machine.fingers.hold
     assert words in machine.reason, machine.reason
@@ -184,7 +184,7 @@ def test_otherwise_a_full_gripper_is_held_where_it_is(name: str) -> None:
 def test_held_after_a_restart_it_is_turned_as_far_as_it_was() -> None:
     turned = START @ Pose.from_rpy((0.0, 0.0, 0.0), (0.8, 0.0, 0.0))
     sight = Toy().seen(gripper=FULL, session=2, tool=turned)
-    machine = Machine(SETTINGS)
+    machine = StateMachine(SETTINGS)
     machine.resume(judge(ENTRY, "", sight, SETTINGS, 110.0), sight)
     assert machine.state is State.HOLDING and machine.rotation == pytest.approx(0.8)
     machine.command("start")
@@ -194,7 +194,7 @@ def test_held_after_a_restart_it_is_turned_as_far_as_it_was() -> None:
 
 
 def test_an_abort_before_it_is_ready_is_not_undone_by_the_journal() -> None:
-    machine = Machine(SETTINGS)
+    machine = StateMachine(SETTINGS)
     for word in ("start", "release", "reset"):
         with pytest.raises(Refused, match="not yet"):
             machine.command(word)
@@ -212,7 +212,7 @@ def test_an_abort_before_it_is_ready_is_not_undone_by_the_journal() -> None:
 
 @pytest.mark.parametrize("session", [1, 2])
 def test_with_an_empty_gripper_it_is_refused(session: int) -> None:
-    machine, sight = Machine(SETTINGS), seen(EMPTY, session)
+    machine, sight = StateMachine(SETTINGS), seen(EMPTY, session)
     machine.resume(judge(ENTRY, "", sight, SETTINGS, 110.0), sight)
     assert machine.state is State.IDLE and not machine.fingers.hold
     assert "the gripper holds nothing now" in machine.reason

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from services.task.geometry import Pose
-from services.task.level_assist import DEAD_BAND, FARTHEST, RELAXATION, LevelAssist, unlevel
+from services.task.level_assist import DEAD_BAND, FARTHEST, RELAXATION, LevelAssist, far_end_drop
 
 LENGTH = 1.2
 angles = st.floats(-0.6, 0.6)
@@ -24,14 +24,14 @@ def tool(pitch: float = 0.0, yaw: float = 0.0, roll: float = 0.0) -> Pose:
 def test_offset_is_by_how_much_the_far_end_is_lower(pitch: float, yaw: float, roll: float) -> None:
     pose = tool(pitch, yaw, roll)
     lower = pose.position[2] - pose.shifted(LENGTH).position[2]
-    assert unlevel(pose, np.zeros(3), LENGTH, 0.01) == pytest.approx(lower, abs=1e-9)
+    assert far_end_drop(pose, np.zeros(3), LENGTH, 0.01) == pytest.approx(lower, abs=1e-9)
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi), st.floats(-20.0, 20.0))
 def test_a_hand_that_presses_the_far_end_down_counts_as_lower(yaw: float, roll: float, down: float) -> None:
     pose = tool(0.0, yaw, roll)
     torque = np.cross(LENGTH * pose.rotation[:, 0], np.array((0.0, 0.0, -down)))
-    assert unlevel(pose, torque, LENGTH, 0.01) == pytest.approx(LENGTH * 0.01 * LENGTH * down, abs=1e-9)
+    assert far_end_drop(pose, torque, LENGTH, 0.01) == pytest.approx(LENGTH * 0.01 * LENGTH * down, abs=1e-9)
 
 
 @given(st.floats(-1.0, 1.0))

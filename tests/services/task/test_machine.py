@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from services.task.faults import FAULTS, Kind, Present
+from services.task.faults import FAULTS, Impairment, TaskFault
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
 from services.task.states import REACTIONS, State
@@ -131,18 +131,18 @@ def test_abort_from_everywhere_keeps_the_grip(state: State) -> None:
 
 
 @pytest.mark.parametrize("state", list(REACTIONS))
-@pytest.mark.parametrize("name", [name for name, (kind, _) in FAULTS.items() if kind is not Kind.BLIND])
+@pytest.mark.parametrize("name", [name for name, (kind, _) in FAULTS.items() if kind is not Impairment.BLIND])
 def test_faults_by_their_kind(state: State, name: str) -> None:
     play = Play().reach(state)
-    held, kind = play.machine.fingers.hold, Present(name).kind
-    play.faults = [Present(name)]
+    held, kind = play.machine.fingers.hold, TaskFault(name).kind
+    play.faults = [TaskFault(name)]
     play.tick()
     reaction = REACTIONS[state].get(kind)
     if reaction is None:
         assert play.state is not State.HOLDING
         return
     assert (play.state is State.HOLDING) == (reaction == "now")
-    assert Present(name).sentence in play.machine.reason
+    assert TaskFault(name).sentence in play.machine.reason
     play.run(10.0)
     assert (play.state is State.HOLDING) == (reaction != "forever")
     assert play.machine.fingers.hold == held, "whatever was held is held"
@@ -153,7 +153,7 @@ def test_a_short_fault_is_waited_for_at_the_spot() -> None:
     play.toy.lifted = True
     play.run(2.0)
     nominal, where = play.decision.nominal, play.toy.tool
-    play.faults = [Present("wrench_silent", "2.0 s old")]
+    play.faults = [TaskFault("wrench_silent", "2.0 s old")]
     play.run(2.0)
     assert play.state is State.CARRYING and not play.decision.base
     assert play.decision.target.near(where, 0.01, 0.05) and play.decision.nominal == nominal
@@ -164,7 +164,7 @@ def test_a_short_fault_is_waited_for_at_the_spot() -> None:
 
 def test_without_the_tool_s_pose_the_last_target_stays() -> None:
     play = Play().reach(State.CARRYING)
-    play.faults = [Present("tool", "state/ee is silent")]
+    play.faults = [TaskFault("tool", "state/ee is silent")]
     for _ in range(100):
         assert play.tick(lost=True).target is None
     assert play.state is State.CARRYING
@@ -180,11 +180,11 @@ def test_without_the_tool_s_pose_the_last_target_stays() -> None:
 def test_a_pose_that_comes_back_while_it_waits_is_where_it_stands() -> None:
     play = Play().reach(State.APPROACHING)
     play.run(0.5)
-    play.faults = [Present("tool", "state/ee is silent")]
+    play.faults = [TaskFault("tool", "state/ee is silent")]
     for _ in range(5):
         play.tick(lost=True)
     where = play.toy.tool
-    play.toy.marker, play.faults = None, [Present("marker_missing")]
+    play.toy.marker, play.faults = None, [TaskFault("marker_missing")]
     play.run(2.0)
     assert play.state is State.APPROACHING and "covered" in play.machine.reason
     assert play.toy.tool.near(where, 0.01, 0.05), "it does not go on to the last target"
@@ -194,11 +194,11 @@ def test_a_pose_that_comes_back_while_it_waits_is_where_it_stands() -> None:
 def test_a_covered_marker_makes_it_wait_and_say_why_then_give_up(state: State) -> None:
     play = Play().reach(state)
     play.run(0.5)
-    play.toy.marker, play.faults = None, [Present("marker_missing")]
-    play.changed = {"doubt": Present("marker_missing")}
+    play.toy.marker, play.faults = None, [TaskFault("marker_missing")]
+    play.changed = {"doubt": TaskFault("marker_missing")}
     if state is State.SEARCHING:
         play = Play()
-        play.toy.marker, play.changed = None, {"doubt": Present("marker_missing")}
+        play.toy.marker, play.changed = None, {"doubt": TaskFault("marker_missing")}
         play.reach(State.SEARCHING)
     where = play.toy.tool
     play.run(3.0)
@@ -213,7 +213,7 @@ def test_a_covered_marker_makes_it_wait_and_say_why_then_give_up(state: State) -
 )
 def test_holding_says_what_to_do_once_its_cause_is_gone(state: State, remedy: str) -> None:
     play = Play().reach(state)
-    play.faults = [Present("stop", "red button")]
+    play.faults = [TaskFault("stop", "red button")]
     play.run(0.5)
     assert play.state is State.HOLDING
     assert play.machine.reason == "stop is engaged (red button): `tandem resume` releases it"
@@ -226,7 +226,7 @@ def test_holding_says_what_to_do_once_its_cause_is_gone(state: State, remedy: st
 
 def test_a_marker_that_comes_back_is_gone_on_to() -> None:
     play = Play().reach(State.APPROACHING)
-    play.toy.marker, play.faults = None, [Present("marker_missing")]
+    play.toy.marker, play.faults = None, [TaskFault("marker_missing")]
     play.run(3.0)
     play.toy.marker, play.faults = Play().toy.marker, []
     play.to(State.CARRYING)

@@ -8,7 +8,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
-from services.task.faults import FAULTS, Kind, Present
+from services.task.faults import FAULTS, Impairment, TaskFault
 from services.task.states import Decision, State
 from shared.parameters import Refused
 from tests.services.task.play import DT, ORDER, Play
@@ -35,13 +35,13 @@ class Anything(RuleBasedStateMachine):
         play = self.play
         self.before = play.state
         blind = play.toy.marker is None
-        play.changed = {**play.changed, "doubt": Present("marker_missing") if blind else None}
-        hidden = [Present("marker_missing")] if blind else []
+        play.changed = {**play.changed, "doubt": TaskFault("marker_missing") if blind else None}
+        hidden = [TaskFault("marker_missing")] if blind else []
         faults, play.faults = play.faults, [*play.faults, *hidden]
         if "wrench" in play.changed:
-            play.faults = [*play.faults, Present("wrench_silent", "1 s old")]
+            play.faults = [*play.faults, TaskFault("wrench_silent", "1 s old")]
         if self.lost:
-            play.faults = [Present("tool", "silent")]
+            play.faults = [TaskFault("tool", "silent")]
         self.opening = play.toy.opening
         self.known = not self.lost and "gripper" not in play.changed
         if play.toy.gripped:
@@ -72,7 +72,7 @@ class Anything(RuleBasedStateMachine):
             assert self.known and self.empty_for < NOTICED
         if self.empty_for > FADED:
             assert decision.nominal == 0.0, play.state
-        if any(fault.kind is Kind.STOPPED for fault in play.faults) and not self.lost:
+        if any(fault.kind is Impairment.STOPPED for fault in play.faults) and not self.lost:
             assert play.state in (State.IDLE, State.DONE, State.HOLDING), play.state
         assert -play.settings.half_weight <= decision.nominal <= 0.0
         if play.machine.fingers.hold and decision.gripper is not None:
@@ -117,7 +117,7 @@ class Anything(RuleBasedStateMachine):
 
     @rule(name=st.sampled_from(sorted(FAULTS)))
     def fault(self, name: str) -> None:
-        self.play.faults = [Present(name)]
+        self.play.faults = [TaskFault(name)]
 
     @rule()
     def faults_end(self) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from services.task.observer import GUARDED_MAX_AGE, WRENCH_MAX_AGE, Observer
 from services.task.parameters import TaskParameters
-from services.task.states import Seen
+from services.task.states import Observation
 from services.task.vision.marker_tracker import MarkerTracker
 from shared.messages import (
     ControlStatus,
@@ -49,7 +49,7 @@ def reading(message: Record, age: float = 0.01, valid: bool = True) -> Reading:
     return Reading(message, Header(5, 1, 0, valid), age, True)
 
 
-def look(changed: dict[Topic, Reading], observer: Observer | None = None) -> tuple[Seen, set[str]]:
+def look(changed: dict[Topic, Reading], observer: Observer | None = None) -> tuple[Observation, set[str]]:
     """What is seen, and the names of the faults; the marker's are left out."""
     readings = {topic.key: reading(message) for topic, message in HEALTHY.items()}
     readings |= {topic.key: changed[topic] for topic in changed}

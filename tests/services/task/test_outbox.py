@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 from services.task.geometry import Pose
 from services.task.outbox import Outbox
 from services.task.parameters import TaskParameters
-from services.task.states import Decision, Grip, State
+from services.task.states import Decision, State
+from shared.messages import GripperCommand
 from shared.topics import COMMAND_GRIPPER, CONTROL_TARGET
 from shared.wire.subscription import HANDOVER_LIMIT
 
-DECISION = Decision("", Pose(np.zeros(3), np.eye(3)), gripper=Grip(0.0, 16.0))
+DECISION = Decision("", Pose(np.zeros(3), np.eye(3)), gripper=GripperCommand(0.0, 16.0))
 
 
 def longest_gap(steps: list[float], key: str) -> float:

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from services.task.release import ReleaseJudge, Stance, why_no_probe, why_no_release
-from services.task.timers import Held, Leaky
+from services.task.timers import LeakyTimer, Sustained
 
 DT = 0.02
 STANDING = Stance(roll=math.pi / 2, pitch=0.0, height=0.0, speed=0.0, turning=0.0, force=0.0)
@@ -124,7 +124,7 @@ def test_leaving_and_pressing() -> None:
 
 @given(st.lists(st.booleans(), max_size=200))
 def test_held_needs_an_unbroken_while(conditions: list[bool]) -> None:
-    held, run = Held(0.1), 0
+    held, run = Sustained(0.1), 0
     for condition in conditions:
         run = run + 1 if condition else 0
         assert held.update(condition, DT) == (run * DT >= 0.1 - 1e-9) or abs(run * DT - 0.1) < 1e-9
@@ -132,7 +132,7 @@ def test_held_needs_an_unbroken_while(conditions: list[bool]) -> None:
 
 @given(st.lists(st.booleans(), max_size=200))
 def test_leaky_needs_as_much_more_true_than_false(conditions: list[bool]) -> None:
-    leaky, balance = Leaky(0.2), 0.0
+    leaky, balance = LeakyTimer(0.2), 0.0
     for condition in conditions:
         balance = min(0.2, max(0.0, balance + (DT if condition else -DT)))
         assert leaky.update(condition, DT) == (balance >= 0.2 - 1e-9)

@@ -8,7 +8,7 @@ import numpy as np
 
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
-from services.task.states import Seen
+from services.task.states import Observation
 from shared.messages import GripperState
 from shared.spatial import rotation_from_vector, rotation_vector
 
@@ -77,7 +77,7 @@ class Toy:
         """The panel slips out of the fingers, and is not between them again before they have opened."""
         self.gripped, self._slipped = False, True
 
-    def seen(self, **changed: object) -> Seen:
+    def seen(self, **changed: object) -> Observation:
         """What the task would see."""
         values = {
             "tool": self.tool,
@@ -89,7 +89,7 @@ class Toy:
             "marker": self.marker,
             "guarded": True,
         }
-        return Seen(**{**values, **changed})
+        return Observation(**{**values, **changed})
 
     def _grip(self, dt: float) -> None:
         step = 0.1 * dt

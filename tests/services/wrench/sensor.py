@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from services.wrench.averaging import Average, Window
+from services.wrench.averaging import Average, AveragingWindow
 from services.wrench.compensation import Compensation, transport
 from shared.messages import FtSample
 from shared.spatial import Array, quaternion, rotation_from_vector
@@ -60,7 +60,7 @@ class Sensor:
 
     def average(self, rotation: Array, samples: int = 100) -> Average:
         """Average of noisy readings at rest."""
-        window = Window(1e9, NOISE_BOUND)
+        window = AveragingWindow(1e9, NOISE_BOUND)
         for _ in range(samples):
             window.add(self.reading(rotation), rotation, 0.01)
         return window.average()

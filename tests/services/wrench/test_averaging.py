@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.wrench.averaging import Average, NotStill, Window
+from services.wrench.averaging import Average, AveragingWindow, NotStill
 from shared.spatial import Array, rotation_from_vector, rotation_vector
 from tests.services.wrench.sensor import LEVEL, NOISE, NOISE_BOUND, Sensor
 
@@ -15,7 +15,7 @@ DT = 0.01
 def averaged(
     readings: list[Array], rotations: list[Array] | None = None, duration: float | None = None
 ) -> Average:
-    window = Window(duration or DT * (len(readings) - 1) - 1e-9, NOISE_BOUND)
+    window = AveragingWindow(duration or DT * (len(readings) - 1) - 1e-9, NOISE_BOUND)
     full = [window.add(r, R, DT) for r, R in zip(readings, rotations or [LEVEL] * len(readings), strict=True)]
     assert full == [False] * (len(full) - 1) + [True]
     return window.average()

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
-from services.task.vision import jpeg
-from services.task.vision.detection import BadImage, Detector
+from services.task.vision.detection import BadImage, Detector, jpeg_size
 from services.task.vision.marker_tracker import MarkerLimits, MarkerTracker
 from tests.services.task.scene import HEIGHT, WIDTH, Camera, Light, Print, message, render, tilted
 
@@ -257,6 +256,6 @@ def test_an_image_too_large_is_not_decoded_to_find_that_out(monkeypatch: pytest.
 @given(st.binary(max_size=60), st.integers(0, 40))
 def test_any_bytes_have_a_size_or_none(noise: bytes, at: int) -> None:
     data = message(np.zeros((HEIGHT, WIDTH), np.uint8)).data
-    assert jpeg.size(data) == (WIDTH, HEIGHT)
-    jpeg.size(data[:at] + noise)
-    jpeg.size(b"\xff\xd8" + noise)
+    assert jpeg_size(data) == (WIDTH, HEIGHT)
+    jpeg_size(data[:at] + noise)
+    jpeg_size(b"\xff\xd8" + noise)

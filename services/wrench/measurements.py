@@ -5,20 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from services.wrench.averaging import Average, NotStill, Window
+from services.wrench.averaging import Average, AveragingWindow, NotStill
 from services.wrench.compensation import Compensation
-from services.wrench.identification import Identified, NotExciting, identify
+from services.wrench.identification import IdentifiedPayload, NotExciting, identify
 from shared.parameters import Refused
 from shared.spatial import Array
 
-SHORTEST, LONGEST = 0.1, 30.0
-"""Duration [s] of one measurement."""
-MOST_POSES = 100
+SHORTEST, LONGEST = 0.1, 30.0  # [s] that one measurement takes
+MOST_POSES = 100  # of one identification
 
 Reply = Callable[[dict[str, Any]], None]
 
 
-class Measuring:
+class Measurements:
     """One measurement at a time, answered when its window is full or as soon as it is spoilt.
 
     Args:
@@ -27,7 +26,7 @@ class Measuring:
 
     def __init__(self, adopt: Callable[[Compensation], None]) -> None:
         self._adopt = adopt
-        self._window: Window | None = None
+        self._window: AveragingWindow | None = None
         self._taring = False
         self._reply: Reply | None = None
         self._poses: list[Average] | None = None
@@ -47,7 +46,7 @@ class Measuring:
             raise Refused('no identification was started: ask {"action": "start"} first')
         if not taring and self._poses is not None and len(self._poses) >= MOST_POSES:
             raise Refused(f"{MOST_POSES} poses were added already: solve, or start anew")
-        self._window = Window(float(duration), noise_bound)
+        self._window = AveragingWindow(float(duration), noise_bound)
         self._taring, self._reply = taring, reply
 
     def add(self, raw: Array, rotation: Array, dt: float, compensation: Compensation) -> None:
@@ -93,7 +92,7 @@ class Measuring:
             self.abort("the identification was ended")
         self._poses = [] if start else None
 
-    def solve(self) -> Identified:
+    def solve(self) -> IdentifiedPayload:
         """The payload from the poses that were added; they are forgotten then.
 
         Raises:
@@ -116,7 +115,7 @@ class Measuring:
         reply(answer)
 
 
-def described(result: Identified) -> dict[str, Any]:
+def described(result: IdentifiedPayload) -> dict[str, Any]:
     """An identified payload as the query answers it; ``sigma`` (10,): mass, com, force bias, torque bias in a row."""
     return {
         "mass": result.mass,
