@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -109,7 +108,7 @@ class Robot:
             messages.append((WRENCH_EXTERNAL, felt, not self.wrench_fault))
             messages.append((CONTROL_STATUS, self._status(), True))
         if number % 5 == 0:
-            gripper = replace(toy.gripper, holding=False) if self.denies else toy.gripper
+            gripper = toy.gripper.replaced(holding=False) if self.denies else toy.gripper
             messages.append((STATE_GRIPPER, gripper, True))
         if number % 20 == 0:
             robot = RobotStatus(self.mode, "", "omni", True, 0.3, 1.0, np.array((0.5, 0.5, 0.5)))
@@ -160,7 +159,7 @@ class Robot:
         """The same picture with a comment in it: in place of the noise, by which each of a real camera differs."""
         self._pictures += 1
         comment = b"\xff\xfe\x00\x06" + self._pictures.to_bytes(4, "big")
-        return replace(image, data=image.data[:2] + comment + image.data[2:])
+        return image.replaced(data=image.data[:2] + comment + image.data[2:])
 
     def _image(self) -> CameraImage:
         return self._picture(self.shown, self.number)

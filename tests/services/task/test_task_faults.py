@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -262,8 +261,8 @@ def test_images_that_opencv_cannot_work_on_are_of_no_use_and_end_nothing(
     image = rig.robot._sent
     assert image is not None
     noise = np.random.default_rng(0)
-    wide = replace(image, width=40_000, height=1, encoding="rgb8", data=bytes(120_000))
-    rig.robot._another = lambda _: replace(wide, data=noise.bytes(120_000))  # type: ignore[method-assign]
+    wide = image.replaced(width=40_000, height=1, encoding="rgb8", data=bytes(120_000))
+    rig.robot._another = lambda _: wide.replaced(data=noise.bytes(120_000))  # type: ignore[method-assign]
     rig.run(1.5)
     assert rig.robot.state == "approaching" and "40000 x 1, allowed" in rig.robot.reason
     monkeypatch.setattr(detection, "LONGEST_SIDE", 10**6)

@@ -248,9 +248,9 @@ def test_an_image_too_large_is_not_decoded_to_find_that_out(monkeypatch: pytest.
     large = cv2.imencode(".jpg", np.zeros((2100, 2000), np.uint8))[1].tobytes()
     monkeypatch.setattr(cv2, "imdecode", lambda *arguments: pytest.fail("it was decoded"))
     with pytest.raises(BadImage, match="2000 x 2100, allowed are 4000000 pixels"):
-        Detector(0.1).find(replace(image, width=2000, height=2100, data=large))
+        Detector(0.1).find(image.replaced(width=2000, height=2100, data=large))
     with pytest.raises(BadImage, match="2000 x 2100, declared are 640 x 480"):
-        Detector(0.1).find(replace(image, data=large))
+        Detector(0.1).find(image.replaced(data=large))
 
 
 @given(st.binary(max_size=60), st.integers(0, 40))
