@@ -16,8 +16,8 @@ from services.experiment.play.player import Answered, Experiment
 from services.experiment.play.recording import Recording
 from services.experiment.run import Run
 from services.experiment.spec import Play
-from services.sim.camera.head_camera import Darkroom, OwnDarkroom
-from services.sim.camera.sight import Sight
+from services.sim.camera.head_camera import DirectRendering, Rendering
+from services.sim.camera.view import Scenery
 from services.sim.parameters import SimParameters
 from services.sim.simulator import Simulator
 from services.task.parameters import TaskParameters
@@ -48,16 +48,18 @@ class Together:
     Args:
         run: which services, with which settings.
         folder: where the services keep what outlives them.
-        darkroom: where the camera's pictures are rendered.
+        rendering: where the camera's pictures are rendered.
     """
 
-    def __init__(self, run: Run, folder: Path, darkroom: Callable[[Sight], Darkroom] = OwnDarkroom) -> None:
+    def __init__(
+        self, run: Run, folder: Path, rendering: Callable[[Scenery], Rendering] = DirectRendering
+    ) -> None:
         self.stack = Stack(LATENCY)
         self.runners: dict[str, Runner] = {}
         settings = run.settings
         self._task = TaskParameters.of(settings.get("task", {}))
         self._folder = folder
-        self.simulator = Simulator(SimParameters.of(settings.get("sim", {})), darkroom)
+        self.simulator = Simulator(SimParameters.of(settings.get("sim", {})), rendering)
         self._add(self.simulator)
         self._add(Wrench(WrenchParameters.of(settings.get("wrench", {})), folder))
         self._add(Controller(ControllerParameters.of(settings.get("controller", {}))))
@@ -85,13 +87,17 @@ class Staged(Together):
         compose: makes the experiment.
         run: that it plays.
         folder: where the services keep what outlives them.
-        darkroom: where the camera's pictures are rendered.
+        rendering: where the camera's pictures are rendered.
     """
 
     def __init__(
-        self, compose: Compose, run: Run, folder: Path, darkroom: Callable[[Sight], Darkroom] = OwnDarkroom
+        self,
+        compose: Compose,
+        run: Run,
+        folder: Path,
+        rendering: Callable[[Scenery], Rendering] = DirectRendering,
     ) -> None:
-        super().__init__(run, folder, darkroom)
+        super().__init__(run, folder, rendering)
         self.experiment = compose(self.stack.bus, self.stack.scheduler.clock, self._ask)
         self.stack.add(self.experiment)
 
@@ -103,7 +109,7 @@ class Staged(Together):
             answered({"ok": False, "error": f"nobody serves {ask.query.key}"})
 
 
-def play_run(play: Play, run: Run, darkroom: Callable[[Sight], Darkroom] = OwnDarkroom) -> Recording:
+def play_run(play: Play, run: Run, rendering: Callable[[Scenery], Rendering] = DirectRendering) -> Recording:
     """Plays one run in simulated time.
 
     Raises:
@@ -111,7 +117,7 @@ def play_run(play: Play, run: Run, darkroom: Callable[[Sight], Darkroom] = OwnDa
         TimeoutError: it did not end.
     """
     with tempfile.TemporaryDirectory() as folder:
-        staged = Staged(partial(play.experiment, run), run, Path(folder), darkroom)
+        staged = Staged(partial(play.experiment, run), run, Path(folder), rendering)
         staged.stack.run(LONGEST, done=lambda: staged.experiment.finished)
     if not staged.experiment.finished:
         raise TimeoutError(

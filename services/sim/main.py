@@ -17,9 +17,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     def make(parameters: SimParameters) -> Simulator:
         # The physics engine takes its time and announces itself when imported: not before the settings are sound.
-        from services.sim.camera.render_process import OtherDarkroom
+        from services.sim.camera.render_process import RenderProcess
         from services.sim.simulator import Simulator
 
-        return Simulator(parameters, OtherDarkroom)
+        return Simulator(parameters, RenderProcess)
 
     return run(make, SimParameters, "sim", None if arguments is None else list(arguments))

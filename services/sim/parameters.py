@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic import model_validator
 
-from services.sim.camera.sight import Sight
+from services.sim.camera.view import Scenery
 from services.sim.scene.panel import PanelSpec
 from services.sim.scene.panel_scene import CarrySpec
 from shared.parameters import Parameters, Refused, Vector3, Vector6, parameter
@@ -159,9 +159,9 @@ class SimParameters(Parameters):
         )
         return CarrySpec(panel, self.grip_friction, self.person_force, self.person_torque)
 
-    def sight(self) -> Sight:
+    def scenery(self) -> Scenery:
         """What the camera sees of the carrying scenario."""
-        return Sight(
+        return Scenery(
             self.panel_size,
             self.marker_id,
             self.marker_size,

@@ -7,10 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from services.sim.camera.eye import Eye
-from services.sim.camera.head_camera import Camera, Darkroom, OwnDarkroom
-from services.sim.camera.sight import Sight
-from services.sim.camera.sights import Sights
+from services.sim.camera.head_camera import DirectRendering, HeadCamera, Rendering
+from services.sim.camera.view import Scenery
 from services.sim.pace import Pace, Ticks
 from services.sim.parameters import SimParameters
 from services.sim.robot.ft_sensor import ForceTorqueSensor
@@ -45,7 +43,7 @@ class Simulator:
     max_delay = 0.2
 
     def __init__(
-        self, parameters: SimParameters, darkroom: Callable[[Sight], Darkroom] = OwnDarkroom
+        self, parameters: SimParameters, rendering: Callable[[Scenery], Rendering] = DirectRendering
     ) -> None:
         self.parameters: Parameters = parameters
         self._settings = parameters
@@ -70,10 +68,10 @@ class Simulator:
         )
         self._sensor = ForceTorqueSensor(parameters.ft_noise, parameters.ft_bias, parameters.seed)
         self._lines = {"ft": SensorLine(), "joints": SensorLine(), "camera": SensorLine()}
-        self._eye = None
+        self._camera = None
         if carry is not None:
-            sight = parameters.sight()
-            self._eye = Eye(Sights(self.world, carry, sight), Camera(darkroom(sight)), self._lines["camera"])
+            camera = self._lines["camera"]
+            self._camera = HeadCamera(self.world, carry, parameters.scenery(), rendering, camera)
         self._joints = JointSensors(self.world, self._lines["joints"])
         self._commands = Commands(self.world, self._lines)
         self._pace = Pace()
@@ -81,7 +79,7 @@ class Simulator:
             name="sim",
             driver=self._stretch / self._ticks.rate,
             optional=RobotSide.INPUTS,
-            on_demand=() if self._eye is None else (topics.SENSOR_CAMERA,),
+            on_demand=() if self._camera is None else (topics.SENSOR_CAMERA,),
             queries=(topics.SIM_COMMAND,),
             # A late tick is no reason to stop the world: the gate watches over the commands' age.
             overrun_share=1.0,
@@ -112,7 +110,7 @@ class Simulator:
     def notes(self) -> str:
         """Whether it keeps up, and the faults put on the sensors."""
         faults = (f"{name} sensor: {line.kind}" for name, line in self._lines.items() if line.kind != "ok")
-        camera = self._eye.complaint if self._eye is not None else ""
+        camera = self._camera.complaint if self._camera is not None else ""
         return "; ".join(note for note in (self._pace.complaint, camera, *faults) if note)
 
     def _advance(self, inputs: Inputs) -> None:
@@ -140,9 +138,9 @@ class Simulator:
             joint_state, tool = self._joints.measure()
             joints = [Output(topics.STATE_EE, tool), Output(topics.STATE_JOINTS, joint_state)]
         outputs += self._lines["joints"].send(joints, tick)
-        if self._eye is not None:
+        if self._camera is not None:
             exposed = watched and due(self._settings.camera_rate)
-            outputs += self._eye.shots(exposed, self.world.time, tick, self._stretch)
+            outputs += self._camera.shots(exposed, self.world.time, tick, self._stretch)
         # Sensors keep their rates in simulated time, what is told of the rest its rate in real time.
         if due(topics.STATE_BASE.rate * self._stretch):
             outputs.append(Output(topics.STATE_BASE, self._base_state()))
@@ -172,7 +170,7 @@ class Simulator:
         bag, carry = self.world.bag, self.world.carry
         state = BagState(bag.mass, bag.height) if bag.present else None
         panel = hand = None
-        visible = self._eye is not None and self._eye.sights.marker_visible()
+        visible = self._camera is not None and self._camera.marker_visible()
         if carry is not None:
             body = carry.panel.body
             panel = PanelState(body.position, quaternion(body.rotation))

@@ -6,7 +6,7 @@ import numpy as np
 
 from services.sim.camera import marker
 from services.sim.camera.canvas import Canvas, Colour
-from services.sim.camera.sight import Sight
+from services.sim.camera.view import Scenery
 from shared.spatial import Array
 
 FOAM: Colour = (0.55, 0.68, 0.82, 1.0)
@@ -20,21 +20,21 @@ class PanelShapes:
 
     Args:
         canvas: where they are drawn.
-        sight: size of the panel, and its marker.
+        scenery: size of the panel, and its marker.
         thicker: how many times as high above the panel the marker is drawn.
     """
 
-    def __init__(self, canvas: Canvas, sight: Sight, thicker: float = 1.0) -> None:
+    def __init__(self, canvas: Canvas, scenery: Scenery, thicker: float = 1.0) -> None:
         self._canvas = canvas
-        self._marker_in_panel = sight.marker_in_panel
-        self._panel = canvas.box(sight.panel_size, FOAM)
-        cell = sight.marker_size / marker.CELLS
-        whole = sight.marker_size + 2.0 * marker.MARGIN * cell
+        self._marker_in_panel = scenery.marker_in_panel
+        self._panel = canvas.box(scenery.panel_size, FOAM)
+        cell = scenery.marker_size / marker.CELLS
+        whole = scenery.marker_size + 2.0 * marker.MARGIN * cell
         white, black = thicker * PLATE, thicker * INK
         plate = canvas.box((whole, whole, white), (1.0, 1.0, 1.0, 1.0))
         # Each part with its place in the marker's frame.
         self._parts = [(plate, np.array((0.0, 0.0, 0.5 * white)))]
-        for left, right, lower, upper in marker.strips(sight.marker):
+        for left, right, lower, upper in marker.strips(scenery.marker):
             strip = canvas.box(
                 ((right - left) * cell, (upper - lower) * cell, black), (0.02, 0.02, 0.02, 1.0)
             )

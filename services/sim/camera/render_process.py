@@ -12,34 +12,33 @@ import subprocess
 import sys
 from multiprocessing.connection import Connection
 
-from services.sim.camera.head_camera import developed
 from services.sim.camera.renderer import Renderer
-from services.sim.camera.sight import Look, Sight
+from services.sim.camera.view import Scenery, View
 
 ENDED = "no pictures: the process that renders them has ended"
 
 
-class OtherDarkroom:
-    """Has pictures developed by another process, which is started for the first one.
+class RenderProcess:
+    """Has another process render, which is started for the first picture.
 
     Attributes:
         complaint: why there are no pictures any more, or "".
 
     Args:
-        sight: what does not change.
+        scenery: what does not change.
     """
 
-    def __init__(self, sight: Sight) -> None:
-        self._sight = sight
+    def __init__(self, scenery: Scenery) -> None:
+        self._scenery = scenery
         self._connection: Connection | None = None
         self.complaint = ""
 
-    def expose(self, look: Look) -> None:
+    def begin(self, view: View) -> None:
         """Begin with a picture."""
         try:
             if self._connection is None:
                 self._connection = self._opened()
-            self._connection.send(look)
+            self._connection.send(view)
         except OSError:
             self.complaint = ENDED
 
@@ -65,7 +64,7 @@ class OtherDarkroom:
                 stdout=subprocess.DEVNULL,
             )
         connection = Connection(ours.detach())
-        connection.send(self._sight)
+        connection.send(self._scenery)
         return connection
 
 
@@ -77,7 +76,7 @@ def main(descriptor: int) -> None:
     try:
         renderer = Renderer(connection.recv())
         while True:
-            connection.send_bytes(developed(renderer, connection.recv()))
+            connection.send_bytes(renderer.jpeg(connection.recv()))
     except (EOFError, OSError):
         return
 

@@ -95,8 +95,8 @@ class _Studio:
 
     def __init__(self, run: CarryRun) -> None:
         self._run = run
-        self._scene = CarryScene(run.sight, (round(WIDTH * OVERSAMPLING), round(HEIGHT * OVERSAMPLING)))
-        self._renderer = Renderer(run.sight)
+        self._scene = CarryScene(run.scenery, (round(WIDTH * OVERSAMPLING), round(HEIGHT * OVERSAMPLING)))
+        self._renderer = Renderer(run.scenery)
 
     def scene(self, moment: Moment, gauges: Gauges) -> Image.Image:
         """The room with the forces in it."""
@@ -113,7 +113,7 @@ class _Studio:
 
     def head(self, moment: Moment) -> Image.Image:
         """What the head camera sees."""
-        return Image.fromarray(self._renderer.picture(self._run.look(moment)))
+        return Image.fromarray(self._renderer.picture(self._run.view(moment)))
 
     def close(self) -> None:
         """Release both."""

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from services.sim.camera.sight import Look, Sight
+from services.sim.camera.view import Scenery, View
 from services.sim.parameters import SimParameters
 from services.sim.robot.head import Head
 from services.sim.robot.kinematics import CARRY_HOME
@@ -93,7 +93,7 @@ class CarryRun:
 
     Attributes:
         time: of the samples (N,) [s].
-        sight: what the camera sees and does not change.
+        scenery: what the camera sees and does not change.
         moments: time [s] and caption of what is worth a still picture.
 
     Args:
@@ -116,7 +116,7 @@ class CarryRun:
             parameters = SimParameters.of(json.loads(str(data["parameters"])))
         except (Refused, ValueError) as problem:
             raise Misconfigured(f"parameters: {problem}") from None
-        self.sight: Sight = parameters.sight()
+        self.scenery: Scenery = parameters.scenery()
         self.moments = [
             (float(time), str(caption))
             for time, caption in zip(data["moment_times"], data["moment_captions"], strict=True)
@@ -156,7 +156,7 @@ class CarryRun:
             self._centre[row],
         )
 
-    def look(self, moment: Moment) -> Look:
+    def view(self, moment: Moment) -> View:
         """What the head camera sees then."""
         x, y, yaw = moment.base
         to_base = rotation_from_vector((0.0, 0.0, -yaw))
@@ -166,7 +166,7 @@ class CarryRun:
         supports = None
         if moment.trestles is not None:
             supports = (moment.trestles - origin).dot(to_base.T), -float(yaw)
-        return Look(
+        return View(
             position,
             rotation,
             moment.joints,

@@ -9,7 +9,7 @@ import pybullet
 
 from services.sim.camera.canvas import Canvas, Colour, Picture, pixel
 from services.sim.camera.panel_shapes import PanelShapes
-from services.sim.camera.sight import Sight
+from services.sim.camera.view import Scenery
 from services.sim.film.carry_recording import Moment
 from services.sim.film.figure import Figure, posture
 from services.sim.film.floor import Floor, disc, hull
@@ -37,17 +37,17 @@ class CarryScene:
     """Poses what there is and renders it on the processor.
 
     Args:
-        sight: what does not change.
+        scenery: what does not change.
         size: of the pictures, width and height [px].
     """
 
-    def __init__(self, sight: Sight, size: tuple[int, int]) -> None:
+    def __init__(self, scenery: Scenery, size: tuple[int, int]) -> None:
         self._size = size
         self._canvas = Canvas(LIGHT, 0.62, 0.42, 0.05)
         self._floor = Floor(size)
-        self._panel = PanelShapes(self._canvas, sight, MARKER_THICKER)
-        self._half = 0.5 * np.array(sight.panel_size)
-        self._trestles = [_Trestle(self._canvas, sight.panel_size[1]) for _ in range(2)]
+        self._panel = PanelShapes(self._canvas, scenery, MARKER_THICKER)
+        self._half = 0.5 * np.array(scenery.panel_size)
+        self._trestles = [_Trestle(self._canvas, scenery.panel_size[1]) for _ in range(2)]
         self._figure = Figure(self._canvas)
         self._projection = pybullet.computeProjectionMatrixFOV(FIELD_OF_VIEW, size[0] / size[1], NEAR, FAR)
         self._view: tuple[float, ...] = ()

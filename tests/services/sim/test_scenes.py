@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from services.sim.camera.render_process import OtherDarkroom
+from services.sim.camera.render_process import RenderProcess
 from services.sim.camera.renderer import Renderer
 from services.sim.parameters import SimParameters
 from services.sim.simulator import Simulator
@@ -78,7 +78,7 @@ def test_the_process_that_renders_is_started_for_whom_looks_first(monkeypatch: p
     started = []
     monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: started.append(1))
     stack = Stack()
-    stack.add(Simulator(SimParameters(), OtherDarkroom))
+    stack.add(Simulator(SimParameters(), RenderProcess))
     stack.run(1.0)
     assert started == []
     for _ in range(2):

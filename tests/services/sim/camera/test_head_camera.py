@@ -1,4 +1,4 @@
-"""The head camera: true to its calibration, only for those who look, and with its faults."""
+"""The head camera: true to its calibration, only for those who view, and with its faults."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from PIL import Image
 
 from services.sim.camera import marker
 from services.sim.camera.renderer import Renderer
-from services.sim.camera.sight import INTRINSICS, Look, Sight, pixels
+from services.sim.camera.view import INTRINSICS, Scenery, View, pixels
 from services.sim.parameters import SimParameters
 from services.sim.robot.head import Head
 from services.sim.robot.kinematics import CARRY_HOME
@@ -23,17 +23,17 @@ from shared.spatial import quaternion, rotation_from_vector, rotation_matrix
 from shared.wire.codec import Rejected, decode
 from tests.services.sim.rig import Rig
 
-SIGHT = SimParameters().sight()
+SCENERY = SimParameters().scenery()
 
 
 def grey(image: CameraImage) -> np.ndarray:
     return np.array(Image.open(io.BytesIO(image.data)).convert("L"), dtype=float)
 
 
-def marker_corners(position: np.ndarray, rotation: np.ndarray, sight: Sight = SIGHT) -> np.ndarray:
+def marker_corners(position: np.ndarray, rotation: np.ndarray, scenery: Scenery = SCENERY) -> np.ndarray:
     """Corners (4, 3) of the black square of a panel at a pose."""
     turned = rotation @ marker.ROTATION
-    return position + rotation @ sight.marker_in_panel + marker.corners(sight.marker_size) @ turned.T
+    return position + rotation @ scenery.marker_in_panel + marker.corners(scenery.marker_size) @ turned.T
 
 
 def whole_polygon(corners: np.ndarray) -> np.ndarray:
@@ -60,7 +60,7 @@ def error_of(picture: np.ndarray, corners: np.ndarray) -> float:
 
 @pytest.fixture(scope="module")
 def renderer():  # type: ignore[no-untyped-def]
-    renderer = Renderer(SIGHT)
+    renderer = Renderer(SCENERY)
     yield renderer
     renderer.close()
 
@@ -81,8 +81,8 @@ def test_points_are_where_the_calibration_says(
     head.position = np.array((-0.45, -0.5))
     position, rotation = head.camera(0.22)
     panel, turned = np.array(place), rotation_from_vector(turn)
-    look = Look(position, rotation, dict(CARRY_HOME), panel, turned, None, False)
-    picture = renderer.picture(look).mean(axis=2)
+    view = View(position, rotation, dict(CARRY_HOME), panel, turned, None, False)
+    picture = renderer.picture(view).mean(axis=2)
     corners = pixels(marker_corners(panel, turned), position, rotation)[:, :2]
     assert error_of(picture, corners) < 0.5
     # And each corner: black within, white beyond.
@@ -96,11 +96,11 @@ def test_points_are_where_the_calibration_says(
 
 def test_noise_is_as_strong_as_stated_and_the_same_for_one_seed() -> None:
     position, rotation = Head(CARRY_HOME).camera(0.22)
-    look = Look(position, rotation, dict(CARRY_HOME), np.array((1.17, -0.39, 0.78)), np.eye(3), None, False)
+    view = View(position, rotation, dict(CARRY_HOME), np.array((1.17, -0.39, 0.78)), np.eye(3), None, False)
     pictures = []
     for noise, seed in ((0.0, 1), (6.0, 1), (6.0, 1), (6.0, 2)):
-        renderer = Renderer(replace(SIGHT, noise=noise, seed=seed))
-        pictures.append(renderer.picture(look).astype(float))
+        renderer = Renderer(replace(SCENERY, noise=noise, seed=seed))
+        pictures.append(renderer.picture(view).astype(float))
         renderer.close()
     clean, noisy, again, other = pictures
     # Away from black and white, where it is cut off.

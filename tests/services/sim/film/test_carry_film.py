@@ -30,7 +30,7 @@ def run() -> CarryRun:
 
 @pytest.fixture
 def scene(run: CarryRun) -> Iterator[CarryScene]:
-    scene = CarryScene(run.sight, SIZE)
+    scene = CarryScene(run.scenery, SIZE)
     yield scene
     scene.close()
 
@@ -96,7 +96,7 @@ def test_the_marker_is_seen_until_it_is_covered(run: CarryRun, scene: CarryScene
     with_marker, without = run.at(10.0), run.at(10.0)
     object.__setattr__(without, "covered", True)
     changed = np.abs(scene.picture(with_marker).astype(int) - scene.picture(without)).sum(axis=2) > 60
-    column, row = scene.pixel(np.array(START) + run.sight.marker_in_panel)
+    column, row = scene.pixel(np.array(START) + run.scenery.marker_in_panel)
     rows, columns = np.nonzero(changed)
     assert (columns.mean(), rows.mean()) == pytest.approx((column, row), abs=6)
 
@@ -118,7 +118,7 @@ def test_the_head_camera_s_view_is_the_one_of_the_simulation() -> None:
             panel_orientation=np.tile(panel.orientation, (ROWS, 1)),
         )
     )
-    told, true = run.look(run.at(10.0)), rig.simulator._eye.sights.look()
+    told, true = run.view(run.at(10.0)), rig.simulator._camera.view()
     for name in ("position", "rotation", "panel", "panel_rotation"):
         assert getattr(told, name) == pytest.approx(getattr(true, name), abs=1e-3), name
     assert told.supports[0] == pytest.approx(true.supports[0], abs=1e-3)

@@ -21,7 +21,7 @@ pixel and not at its middle, as ``test_camera.py`` measures, which is why cx and
 
 
 @dataclass(frozen=True)
-class Look:
+class View:
     """What there is to see at an instant, everything in base.
 
     Attributes:
@@ -44,7 +44,7 @@ class Look:
 
 
 @dataclass(frozen=True)
-class Sight:
+class Scenery:
     """What does not change.
 
     Attributes:
