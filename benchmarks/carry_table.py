@@ -10,11 +10,11 @@ import sys
 from collections.abc import Sequence
 
 from benchmarks.experiment_stack import play_run
+from services.experiment.carry.carry import CARRY
 from services.experiment.carry.carry_measures import measure
-from services.experiment.carry.experiment import CARRY
 from services.experiment.carry.notes import notes
 from services.experiment.carry.tables import tables
-from services.experiment.report.table import Table
+from services.experiment.measure.claim import Table
 
 RUNS = ("certified-omni", "certified-differential", "certified-none", "paper-omni", "stiffness-omni")
 

@@ -11,11 +11,11 @@ from services.base.base import Base
 from services.base.parameters import BaseParameters
 from services.controller.controller import Controller
 from services.controller.parameters import ControllerParameters
-from services.experiment.play.course import Ask
-from services.experiment.play.player import Answered, Experiment
+from services.experiment.play.course import Ask, Run
+from services.experiment.play.player import Answered
+from services.experiment.play.process import Compose
 from services.experiment.play.recording import Recording
-from services.experiment.run import Run
-from services.experiment.spec import Play
+from services.experiment.spec import Experiment
 from services.sim.camera.head_camera import DirectRendering, Rendering
 from services.sim.camera.view import Scenery
 from services.sim.parameters import SimParameters
@@ -24,15 +24,12 @@ from services.task.parameters import TaskParameters
 from services.task.task import Task
 from services.wrench.parameters import WrenchParameters
 from services.wrench.wrench import Wrench
-from shared.clock import Clock, seconds
+from shared.clock import seconds
 from shared.loop.runner import Runner
 from shared.loop.stack import Stack
 from shared.service import Service
-from shared.wire.bus import Bus
 from shared.wire.codec import decode_map, encode_map
 
-Compose = Callable[[Bus, Clock, Callable[[Ask, Answered], None]], Experiment]
-"""Makes an experiment of a bus, a clock, and how to send a request without waiting: `Play.experiment`."""
 LATENCY = 0.0005  # [s] of every message, about what the router takes
 LONGEST = 240.0  # [s] of simulated time for one run, settling included
 
@@ -78,13 +75,13 @@ class Together:
 
 
 class Staged(Together):
-    """A stack with an experiment on it.
+    """A stack with a player on it.
 
     Attributes:
-        experiment: that plays.
+        player: of the run.
 
     Args:
-        compose: makes the experiment.
+        compose: makes the player.
         run: that it plays.
         folder: where the services keep what outlives them.
         rendering: where the camera's pictures are rendered.
@@ -98,8 +95,8 @@ class Staged(Together):
         rendering: Callable[[Scenery], Rendering] = DirectRendering,
     ) -> None:
         super().__init__(run, folder, rendering)
-        self.experiment = compose(self.stack.bus, self.stack.scheduler.clock, self._ask)
-        self.stack.add(self.experiment)
+        self.player = compose(self.stack.bus, self.stack.scheduler.clock, self._ask)
+        self.stack.add(self.player)
 
     def _ask(self, ask: Ask, answered: Answered) -> None:
         served = self.stack.bus.query_later(
@@ -109,7 +106,9 @@ class Staged(Together):
             answered({"ok": False, "error": f"nobody serves {ask.query.key}"})
 
 
-def play_run(play: Play, run: Run, rendering: Callable[[Scenery], Rendering] = DirectRendering) -> Recording:
+def play_run(
+    experiment: Experiment, run: Run, rendering: Callable[[Scenery], Rendering] = DirectRendering
+) -> Recording:
     """Plays one run in simulated time.
 
     Raises:
@@ -117,10 +116,10 @@ def play_run(play: Play, run: Run, rendering: Callable[[Scenery], Rendering] = D
         TimeoutError: it did not end.
     """
     with tempfile.TemporaryDirectory() as folder:
-        staged = Staged(partial(play.experiment, run), run, Path(folder), rendering)
-        staged.stack.run(LONGEST, done=lambda: staged.experiment.finished)
-    if not staged.experiment.finished:
+        staged = Staged(partial(experiment.player, run), run, Path(folder), rendering)
+        staged.stack.run(LONGEST, done=lambda: staged.player.finished)
+    if not staged.player.finished:
         raise TimeoutError(
-            f"{run.name}: still {staged.experiment.course.phase} after {LONGEST:g} s of simulated time"
+            f"{run.name}: still {staged.player.course.phase} after {LONGEST:g} s of simulated time"
         )
-    return staged.experiment.recording(bus="in-process, simulated time")
+    return staged.player.recording(bus="in-process, simulated time")

@@ -6,7 +6,7 @@ import time
 
 from benchmarks.experiment_stack import play_run
 from benchmarks.table import Row, at_least
-from services.experiment.load.experiment import LOAD
+from services.experiment.load.load import LOAD
 from shared import topics
 
 COMMAND = "python -m benchmarks load_speed"

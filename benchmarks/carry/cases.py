@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.carry.person import Manner, script
 from services.experiment.carry import carry_protocol as protocol
-from services.experiment.run import Run
+from services.experiment.play.course import Run
 from shared.constants import GRAVITY
 
 KINDS = (

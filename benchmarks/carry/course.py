@@ -11,7 +11,7 @@ import re
 from benchmarks.carry.cases import Case
 from services.experiment.carry.carry_course import CarrySequence
 from services.experiment.play.course import Ask
-from services.experiment.play.observation import Seen
+from services.experiment.play.observation import Observation
 from services.experiment.play.recording import Event
 from shared import topics
 
@@ -48,7 +48,7 @@ class SweepCourse(CarrySequence):
         self.told: list[str] = []
         self.resumes = False
 
-    def meanwhile(self, now: float, seen: Seen) -> list[Ask]:
+    def meanwhile(self, now: float, seen: Observation) -> list[Ask]:
         """What the person says to a robot that waits for a word."""
         self._note(now, seen.reason)
         if self._case.ends_held:
@@ -65,7 +65,7 @@ class SweepCourse(CarrySequence):
             return self._tell(now, seen, "release")
         return []
 
-    def _watch(self, now: float, seen: Seen) -> None:
+    def _watch(self, now: float, seen: Observation) -> None:
         """What becomes of a panel whose other end he has let go of."""
         if seen.task not in ("carrying", "holding") or seen.doing:
             self._alone_since = None
@@ -74,7 +74,7 @@ class SweepCourse(CarrySequence):
         elif now - self._alone_since > ALONE:
             self.done = True
 
-    def _resume(self, now: float, seen: Seen) -> list[Ask]:
+    def _resume(self, now: float, seen: Observation) -> list[Ask]:
         """What he says when it holds for something that only a person may end: `resume`, and then `start`."""
         self.resumes = False
         if seen.task != "holding" or "tandem resume" not in seen.reason or len(self.told) > MOST_WORDS:
@@ -88,7 +88,7 @@ class SweepCourse(CarrySequence):
             self.resumes = True
         return []
 
-    def _tell(self, now: float, seen: Seen, word: str) -> list[Ask]:
+    def _tell(self, now: float, seen: Observation, word: str) -> list[Ask]:
         self.told.append(word)
         self.events.append(Event(now, f"person: {word}", seen.reason))
         return self.ask(now, Ask(topics.TASK_COMMAND, {"command": word}))

@@ -19,7 +19,7 @@ from services.experiment.carry import carry_protocol as protocol
 from services.experiment.carry.carry_claims import STATES
 from services.experiment.carry.carry_course import GIVEN_UP
 from services.experiment.play.course import Failed
-from services.experiment.play.player import Experiment
+from services.experiment.play.player import Player
 from services.experiment.play.recording import Event
 from services.task.parameters import TaskParameters
 from shared.messages import Stop
@@ -48,7 +48,7 @@ def play(chosen: Case) -> Played:
     course = SweepCourse(chosen)
     trouble = ""
     with tempfile.TemporaryDirectory() as folder:
-        staged = Staged(partial(Experiment, course, None, {}), chosen.run, Path(folder))
+        staged = Staged(partial(Player, course, None, {}), chosen.run, Path(folder))
         warning = TaskParameters.of(chosen.run.settings["task"]).warning
         witness = Witness(staged.simulator, protocol.PANEL_SIZE[2], warning)
         staged.stack.add(witness)

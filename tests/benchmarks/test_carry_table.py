@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.carry_table import RUNS, main, markdown
-from services.experiment.report.table import Table
+from services.experiment.measure.claim import Table
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "experiment.md"
 

@@ -13,11 +13,10 @@ import numpy as np
 
 from benchmarks.experiment_stack import LONGEST, Staged
 from services.experiment.carry import carry_protocol as carry
-from services.experiment.carry.experiment import CARRY
-from services.experiment.load import load_protocol as load
-from services.experiment.load.experiment import LOAD
-from services.experiment.run import Run
-from services.experiment.spec import Play
+from services.experiment.carry.carry import CARRY
+from services.experiment.load.load import LOAD
+from services.experiment.play.course import Run
+from services.experiment.spec import Experiment
 from tests.replay import recordings
 from tests.replay.recordings import Event
 
@@ -37,15 +36,15 @@ def record(folder: Path) -> None:
         settings={**settings, "sim": {**settings["sim"], "camera_rate": CAMERA_RATE}},
     )
     recordings.save(folder / "carry.xz", heard(CARRY, run, KEYS))
-    certified = load.run_named("certified-100")
+    certified = LOAD.run_named("certified-100")
     recordings.save(folder / "load.xz", heard(LOAD, certified, (*KEYS, "control/target")))
 
 
-def heard(play: Play, run: Run, keys: tuple[str, ...]) -> list[Event]:
+def heard(experiment: Experiment, run: Run, keys: tuple[str, ...]) -> list[Event]:
     """What is put on the bus under some keys, and what is asked, while a run is played."""
     events: list[Event] = []
     with tempfile.TemporaryDirectory() as name:
-        staged = Staged(partial(play.experiment, run), run, Path(name))
+        staged = Staged(partial(experiment.player, run), run, Path(name))
         bus, clock = staged.stack.bus, staged.stack.scheduler.clock
         publish, ask = bus.publish, bus.query_later
 
@@ -61,8 +60,8 @@ def heard(play: Play, run: Run, keys: tuple[str, ...]) -> list[Event]:
             return ask(key, payload, on_reply)
 
         bus.publish, bus.query_later = publish_and_note, ask_and_note  # type: ignore[method-assign]
-        staged.stack.run(LONGEST, done=lambda: staged.experiment.finished)
-    if not staged.experiment.finished:
+        staged.stack.run(LONGEST, done=lambda: staged.player.finished)
+    if not staged.player.finished:
         raise TimeoutError(f"{run.name} did not end within {LONGEST:g} s of simulated time")
     return events
 

@@ -7,9 +7,9 @@ from functools import cache
 import pytest
 
 from benchmarks.experiment_stack import play_run
+from services.experiment.carry.carry import CARRY
 from services.experiment.carry.carry_claims import judge
 from services.experiment.carry.carry_measures import Measures, measure
-from services.experiment.carry.experiment import CARRY
 from services.experiment.measure.claim import Claim
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]

@@ -7,13 +7,13 @@ from functools import cache
 import pytest
 
 from benchmarks.experiment_stack import play_run
-from services.experiment.load.experiment import LOAD
+from services.experiment.load.load import LOAD
 from services.experiment.load.load_claims import judge
 from services.experiment.load.load_measures import Measures, measure
-from services.experiment.load.load_protocol import FORCE_LIMIT, HEAVY, LIGHT, RUNS, run_named, unambiguous
+from services.experiment.load.load_protocol import FORCE_LIMIT, HEAVY, LIGHT, RUNS, unambiguous
 from services.experiment.measure.brakes import NO_COMMAND
 from services.experiment.measure.claim import Claim
-from services.experiment.run import Run
+from services.experiment.play.course import Run
 from shared.messages import TwistCommand
 from shared.topics import COMMAND_EE_TWIST
 from shared.wire.codec import decode
@@ -24,13 +24,11 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 
 @cache
 def measured(name: str) -> Measures:
-    return measure(play_run(LOAD, run_named(name)))
+    return measure(play_run(LOAD, LOAD.run_named(name)))
 
 
 def claims(*names: str) -> list[Claim]:
-    return judge(
-        {name: run_named(name) for name in names}, {name: measured(name) for name in names}, FORCE_LIMIT[2]
-    )
+    return judge({name: LOAD.run_named(name) for name in names}, {name: measured(name) for name in names})
 
 
 @pytest.mark.parametrize("run", RUNS, ids=lambda run: run.name)
@@ -73,13 +71,13 @@ def test_commands_that_are_lost_on_the_way_down_make_a_brake_and_no_swing(
         publish(bus, key, payload)
 
     monkeypatch.setattr(LocalBus, "publish", losing)
-    run = run_named("rounded-100")
+    run = LOAD.run_named("rounded-100")
     found = measure(play_run(LOAD, run))
     assert [brake.reason for brake in found.brakes] == [NO_COMMAND]
-    claims = judge({run.name: run}, {run.name: found}, FORCE_LIMIT[2])
+    claims = judge({run.name: run}, {run.name: found})
     assert [f"{claim.text}: {claim.figure} ({claim.limit})" for claim in claims if not claim.passed] == []
     assert found.judged_way < 0.7
 
 
 def test_the_same_run_twice_gives_the_same_figures() -> None:
-    assert measure(play_run(LOAD, run_named("paper-30"))) == measured("paper-30")
+    assert measure(play_run(LOAD, LOAD.run_named("paper-30"))) == measured("paper-30")

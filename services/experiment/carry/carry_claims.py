@@ -16,7 +16,7 @@ from services.experiment.carry.carry_protocol import FORCE_LIMIT, PANEL_MASS, TO
 from services.experiment.carry.following_claims import follows
 from services.experiment.carry.grip import ON_GROUND
 from services.experiment.measure.claim import Claim
-from services.experiment.run import Run
+from services.experiment.play.course import Run
 from shared.constants import GRAVITY
 
 BEFORE = ("idle", "calibrating", "searching", "approaching", "grasping")

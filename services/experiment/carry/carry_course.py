@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from services.experiment.carry import carry_protocol as protocol
-from services.experiment.play.course import Ask, Course
-from services.experiment.play.observation import Seen
+from services.experiment.play.course import STANDING, STILL, Ask, Course, Run
+from services.experiment.play.observation import Observation
 from services.experiment.play.recording import Event
-from services.experiment.run import Run
 from shared import topics
 
-STILL = 0.005  # [m/s]: a slower tool counts as still
 AFTERWARDS = 3.0  # [s] recorded after the end: what was set down has to stay where it is
 GIVEN_UP = ("holding", "idle")  # states of the task in which it goes on only if somebody says so
 
@@ -25,47 +23,36 @@ class CarrySequence(Course):
     """
 
     def __init__(self, run: Run, script: str | None = None) -> None:
-        super().__init__(run, "waiting for the robot")
+        super().__init__(run)
         self._script = protocol.SCRIPTS[run.name.rpartition("-")[2]] if script is None else script
         self._state = ""
         self._doing = ""
         self._ended: float | None = None
 
     @property
-    def phases(self) -> Mapping[str, Callable[[float, Seen], list[Ask]]]:
+    def phases(self) -> Mapping[str, Callable[[float, Observation], list[Ask]]]:
         """What to do in each phase."""
         return {
-            "waiting for the robot": self._wait,
-            "standing still before the tare": self._stand,
+            STANDING: self._stand,
             "placing the person": self._place,
             "starting the task": self._start,
             "playing": self._play,
         }
 
-    def _wait(self, now: float, seen: Seen) -> list[Ask]:
-        if lacking := seen.lacking(self.run):
-            self.give_up(now, 30.0, lacking)
-        else:
-            self.enter("standing still before the tare", now)
-        return []
+    def _stand(self, now: float, seen: Observation) -> list[Ask]:
+        return self.tare_when(seen.speed <= STILL, now, seen)
 
-    def _stand(self, now: float, seen: Seen) -> list[Ask]:
-        if seen.speed > STILL:
-            self.give_up(now, 60.0, f"the tool still moves at {1e3 * seen.speed:.0f} mm/s. {seen.trouble}")
-            return []
-        return self.tare(now)
-
-    def _place(self, now: float, _seen: Seen) -> list[Ask]:
+    def _place(self, now: float, _seen: Observation) -> list[Ask]:
         return self.ask(now, Ask(topics.SIM_COMMAND, {"command": "hand", "script": self._script}))
 
-    def _start(self, now: float, _seen: Seen) -> list[Ask]:
+    def _start(self, now: float, _seen: Observation) -> list[Ask]:
         return self.ask(now, Ask(topics.TASK_COMMAND, {"command": "start"}))
 
-    def meanwhile(self, now: float, seen: Seen) -> list[Ask]:
+    def meanwhile(self, now: float, seen: Observation) -> list[Ask]:
         """What else to ask for at a step while the carry is played: nothing. For those who derive from this."""
         return []
 
-    def _play(self, now: float, seen: Seen) -> list[Ask]:
+    def _play(self, now: float, seen: Observation) -> list[Ask]:
         assert self.start is not None
         if asks := self.meanwhile(now, seen):
             return asks
@@ -81,7 +68,7 @@ class CarrySequence(Course):
         self._end(now, seen)
         return []
 
-    def _end(self, now: float, seen: Seen) -> None:
+    def _end(self, now: float, seen: Observation) -> None:
         assert self.start is not None
         over = (seen.task == "done" and not seen.doing) or (
             seen.task in GIVEN_UP and now - self.start > 1.0 and self._state == seen.task

@@ -16,9 +16,9 @@ from services.experiment.carry.effort import guiding_work
 from services.experiment.carry.excess import Wrenches
 from services.experiment.carry.motion import Motion
 from services.experiment.carry.phases import mark
+from services.experiment.play.course import Run
 from services.experiment.play.recording import Recording
 from services.experiment.report.drawing import BLUE, FAINT, GREEN, INK, LIMIT_COLOUR, VERMILION
-from services.experiment.run import Run
 
 WIDTH = 7.4  # [in]
 COLOURS = {"certified": BLUE, "paper": VERMILION, "stiffness": GREEN}

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from services.experiment.run import Run
+from services.experiment.play.course import Run
 
 PANEL_SIZE = (1.2, 0.6, 0.05)  # length, width, thickness [m]
 PANEL_MASS = 1.5  # [kg]
@@ -93,7 +93,7 @@ def run(law: str, base: str) -> Run:
     """The carry under a law, with a base or none.
 
     Raises:
-        KeyError: `law` is none of LAWS or `base` none of BASES; `run_named` says it to people.
+        KeyError: `law` is none of LAWS or `base` none of BASES.
     """
     base_type = "omni" if base == "none" else base
     return Run(
@@ -134,14 +134,3 @@ RUNS = (
     run("stiffness", "omni"),
 )
 """What is played unless something else is asked for."""
-
-
-def run_named(name: str) -> Run:
-    """The run of a name, LAW-BASE; ValueError lists what there is."""
-    law, _, base = name.partition("-")
-    if law not in LAWS or base not in BASES:
-        raise ValueError(
-            f"there is no run {name!r}; choose LAW-BASE with a law of {', '.join(LAWS)} and a base of "
-            f"{', '.join(BASES)}"
-        )
-    return run(law, base)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from services.experiment.carry.carry_protocol import PANEL_MASS
-from services.experiment.carry.motion import Motion, rate, spin
+from services.experiment.carry.motion import Motion, spin
+from services.experiment.measure.series import rate
 from shared.constants import GRAVITY
 
 HARD_TORQUE = 9.0  # [Nm] of both hands that nobody wants to exert for long

@@ -49,18 +49,14 @@ class Wrenches:
         key, agreed = topics.WRENCH_EXTERNAL.key, topics.CONTROL_TARGET.key
         time = recording.time(key)
         chosen = (time >= start) & (time < end)
-        newest = np.searchsorted(recording.time(agreed), time[chosen], side="right") - 1
-        if len(newest) and newest.min() < 0:
+        if chosen.any() and time[chosen][0] < recording.time(agreed)[0]:
             raise ValueError("the panel was held before anybody said with which limits")
-
-        def six(topic: str, force: str, torque: str, rows: np.ndarray) -> np.ndarray:
-            return np.hstack([recording.series(topic, name)[rows] for name in (force, torque)])
-
+        time = time[chosen]
         return cls(
-            time=time[chosen],
-            wrench=six(key, "force", "torque", chosen),
-            nominal=six(agreed, "nominal_force", "nominal_torque", newest),
-            limit=six(agreed, "force_limit", "torque_limit", newest),
+            time=time,
+            wrench=np.hstack([recording.series(key, name)[chosen] for name in ("force", "torque")]),
+            nominal=recording.newest(agreed, time, "nominal_force", "nominal_torque"),
+            limit=recording.newest(agreed, time, "force_limit", "torque_limit"),
             error=recording.series(key, "error_bound")[chosen],
         )
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from services.experiment.carry.carry_protocol import Guidance
-from services.experiment.carry.motion import Motion, rate
+from services.experiment.carry.motion import Motion
+from services.experiment.measure.series import rate
 
 WISHING = {"move": 0.005, "turn": 0.01}  # [m/s, rad/s]: a wish that moves no faster stands
 SHORTEST = {"along": 0.02, "across": 0.02, "roll": 0.1}  # [m, rad]: less is no movement of the script

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from services.experiment.carry.carry_protocol import PANEL_SIZE
+from services.experiment.measure.series import at, rate
 from services.experiment.play.recording import Recording
 from shared import topics
 
-SMOOTHING = 0.2  # [s] over which a speed is taken
 _HALF = np.array(PANEL_SIZE) / 2.0
 
 
@@ -24,8 +24,8 @@ class Motion:
         doing: (n,) what the person is about.
         panel, panel_axes: its centre (n, 3) [m] and its axes as columns (n, 3, 3).
         hand: (n, 3) [m] where the person's hands are.
-        wish, wish_axes: (n, 3) [m] where he wants them, and (n, 3, 3) how he wants the panel's axes; NaN before he
-            is asked to do anything.
+        wish, wish_axes: (n, 3) [m] where the person wants them, and (n, 3, 3) how the panel's axes are wanted; NaN
+            before the person is asked to do anything.
         push, twist: (n, 3) [N] and (n, 3) [Nm] of the hands on the panel, about where they are.
         base: (n, 3) x, y [m] and yaw [rad] by odometry.
         tool, tool_axes: (n, 3) [m] and (n, 3, 3).
@@ -56,10 +56,7 @@ class Motion:
         base = at(time, recording.time(odometry), driven)
         heading = turns_about_z(base[:, 2])
         reached = at(time, recording.time(arm), recording.series(arm, "position"))
-        newest = np.clip(
-            np.searchsorted(recording.time(arm), time, side="right") - 1, 0, len(recording.time(arm)) - 1
-        )
-        attitude = rotations(recording.series(arm, "orientation")[newest])
+        attitude = rotations(recording.newest(arm, time, "orientation"))
         return cls(
             time=time,
             sampled=recording.series(world, "message_time"),
@@ -89,7 +86,7 @@ class Motion:
 
     @property
     def tool_roll(self) -> np.ndarray:
-        """The same of the tool (n,) [rad], up to a constant."""
+        """How far (n,) [rad] the tool is turned about the panel's long axis, up to a constant."""
         return np.unwrap(_roll(self.tool_axes))
 
     @property
@@ -144,18 +141,6 @@ def turns_about_z(angles: np.ndarray) -> np.ndarray:
 def turned(rotation: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Vectors (n, 3), each by its rotation (n, 3, 3)."""
     return np.einsum("nij,nj->ni", rotation, vectors)
-
-
-def at(time: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """A series (m, k) at other times (n,), linearly in between: (n, k)."""
-    return np.column_stack([np.interp(time, times, column) for column in values.T])
-
-
-def rate(time: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Rates of change (n, k) per second, over SMOOTHING."""
-    ahead = np.minimum(time + SMOOTHING / 2, time[-1])
-    behind = np.maximum(time - SMOOTHING / 2, time[0])
-    return (at(ahead, time, values) - at(behind, time, values)) / np.maximum(ahead - behind, 1e-9)[:, None]
 
 
 def spin(time: np.ndarray, axes: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from services.experiment.carry.carry_measures import Measures
 from services.experiment.carry.excess import AXES, FAR_OVER
 from services.experiment.carry.following import Followed
-from services.experiment.report.table import Table
+from services.experiment.measure.claim import Table
 
 NONE = "–"  # where there is no such figure
 

@@ -10,9 +10,9 @@ import math
 from collections.abc import Mapping
 
 from services.experiment.load.load_measures import GROUND, Measures
-from services.experiment.load.load_protocol import LIGHT
+from services.experiment.load.load_protocol import FORCE_LIMIT, LIGHT
 from services.experiment.measure.claim import Claim
-from services.experiment.run import Run
+from services.experiment.play.course import Run
 
 HOLD_WITHIN = 0.010  # [m]
 SAG_AT_LEAST = 0.1  # [m]: "sags by decimetres"
@@ -24,14 +24,14 @@ LEAST_WAY = (
 SPEED_SLACK = 1.05  # the tool's tracking may overshoot the commanded speed by this factor
 
 
-def judge(runs: Mapping[str, Run], measured: Mapping[str, Measures], limit: float) -> list[Claim]:
-    """All claims for the runs that were measured. `limit` [N] is the limit on force z."""
+def judge(runs: Mapping[str, Run], measured: Mapping[str, Measures]) -> list[Claim]:
+    """All claims for the runs that were measured."""
     claims: list[Claim] = []
     for name, run in runs.items():
         found = measured[name]
         claims += [_sags(name, found)] if run.law == "stiffness" else _keeps_and_lowers(name, found)
         if run.law == "certified":
-            claims += _certified(name, found, limit)
+            claims += _certified(name, found)
         claims.append(_comes_back(name, found))
     if {"paper-30", "certified-30"} <= runs.keys():
         claims += _against_the_paper(measured["paper-30"], measured["certified-30"])
@@ -95,8 +95,8 @@ def _keeps_and_lowers(run: str, found: Measures) -> list[Claim]:
     ]
 
 
-def _certified(run: str, found: Measures, limit: float) -> list[Claim]:
-    allowed = limit + found.error_bound
+def _certified(run: str, found: Measures) -> list[Claim]:
+    allowed = FORCE_LIMIT[2] + found.error_bound
     landed = math.isfinite(found.ground_peak)
     return [
         Claim(

@@ -8,13 +8,11 @@ import numpy as np
 
 from services.experiment.load import load_protocol as protocol
 from services.experiment.load.load_protocol import mass, unambiguous
-from services.experiment.play.course import Ask, Course, Failed
-from services.experiment.play.observation import Seen
+from services.experiment.play.course import STANDING, STILL, STILL_WITHIN, Ask, Course, Failed, Run
+from services.experiment.play.observation import Observation
 from services.experiment.play.recording import Event
-from services.experiment.run import Run
 from shared import topics
 
-STILL = 0.005  # [m/s]: a slower tool counts as still
 STILL_FOR = 1.0  # [s]
 AT_POSE = 0.02  # [m]: near enough to start the clock, ten seconds before the first bag
 BACK_AT_POSE = 0.005  # [m] from where the first bag was hung: near enough to end early
@@ -24,39 +22,29 @@ class LoadSequence(Course):
     """Tares, takes up the pose, then plays the loads."""
 
     def __init__(self, run: Run) -> None:
-        super().__init__(run, "waiting for the robot")
+        super().__init__(run)
         self._steady_since: float | None = None
         self._played = 0
         self._rest: np.ndarray | None = None
 
     @property
-    def phases(self) -> Mapping[str, Callable[[float, Seen], list[Ask]]]:
+    def phases(self) -> Mapping[str, Callable[[float, Observation], list[Ask]]]:
         """What to do in each phase."""
         return {
-            "waiting for the robot": self._wait,
-            "standing still before the tare": self._stand,
+            STANDING: self._stand,
             "taking up the pose": self._take_up,
             "playing": self._play,
         }
 
-    def _wait(self, now: float, seen: Seen) -> list[Ask]:
-        lacking = seen.lacking(self.run)
-        if lacking:
-            self.give_up(now, 30.0, lacking)
-            return []
-        self.enter("standing still before the tare", now)
-        return []
+    def _stand(self, now: float, seen: Observation) -> list[Ask]:
+        return self.tare_when(self._steady(now, seen, float("inf")), now, seen)
 
-    def _stand(self, now: float, seen: Seen) -> list[Ask]:
-        if not self._steady(now, seen, float("inf")):
-            self.give_up(now, 60.0, f"the tool still moves at {1e3 * seen.speed:.0f} mm/s. {seen.trouble}")
-            return []
-        return self.tare(now)
-
-    def _take_up(self, now: float, seen: Seen) -> list[Ask]:
+    def _take_up(self, now: float, seen: Observation) -> list[Ask]:
         if not self._steady(now, seen, AT_POSE):
             away = 1e3 * _distance(seen)
-            self.give_up(now, 60.0, f"the tool is {away:.0f} mm from the pose to hold. {seen.trouble}")
+            self.give_up(
+                now, STILL_WITHIN, f"the tool is {away:.0f} mm from the pose to hold. {seen.trouble}"
+            )
             return []
         if unambiguous(seen.error_bound) > protocol.HEAVY:
             if self.may_tare_again():
@@ -70,7 +58,7 @@ class LoadSequence(Course):
         self.enter("playing", now)
         return []
 
-    def _play(self, now: float, seen: Seen) -> list[Ask]:
+    def _play(self, now: float, seen: Observation) -> list[Ask]:
         assert self.start is not None
         elapsed = now - self.start
         if self._played < len(_LOADS):
@@ -99,7 +87,7 @@ class LoadSequence(Course):
         super().enter(phase, now)
         self._steady_since = None
 
-    def _steady(self, now: float, seen: Seen, within: float, place: np.ndarray | None = None) -> bool:
+    def _steady(self, now: float, seen: Observation, within: float, place: np.ndarray | None = None) -> bool:
         """Whether the tool has been still and within a distance [m] of a place, the pose to hold, for STILL_FOR."""
         if seen.speed > STILL or (within < float("inf") and _distance(seen, place) > within):
             self._steady_since = None
@@ -116,7 +104,7 @@ _LOADS = (
 )
 
 
-def _distance(seen: Seen, place: np.ndarray | None = None) -> float:
+def _distance(seen: Observation, place: np.ndarray | None = None) -> float:
     if seen.position is None:
         return float("inf")
     return float(np.linalg.norm(seen.position - (np.array(protocol.HOLD[:3]) if place is None else place)))

@@ -13,9 +13,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 from services.experiment.load.load_measures import Measures
 from services.experiment.load.load_protocol import RUNS
 from services.experiment.measure.brakes import SETTLING
+from services.experiment.play.course import Run
 from services.experiment.play.recording import Recording
 from services.experiment.report.drawing import FAINT, INK, LIMIT_COLOUR
-from services.experiment.run import Run
 from shared import topics
 
 # Okabe and Ito's palette: told apart with any colour vision; line styles carry the same information in grey.

@@ -1,8 +1,8 @@
-"""What the film of the load experiment shows, for `services.sim.film.film`."""
+"""What the film of the load experiment shows, as `services/sim/film/load_film.py` reads it."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -10,8 +10,8 @@ from services.experiment.play.recording import Recording
 from shared import topics
 
 
-def film_data(recording: Recording, path: Path) -> None:
-    """Writes what `services.sim.film.film` reads: joint angles, bag and load on the joints' time base.
+def film_data(recording: Recording) -> dict[str, Any]:
+    """Joint angles, bag and load on the joints' time base.
 
     Raises:
         KeyError: the recording lacks what the film shows.
@@ -20,16 +20,13 @@ def film_data(recording: Recording, path: Path) -> None:
     time = recording.time(joints)
     shown = time >= 0
     time = time[shown]
-    bag_time = recording.time(world)
-    newest = np.clip(np.searchsorted(bag_time, time, side="right") - 1, 0, len(bag_time) - 1)
-    np.savez_compressed(
-        path,
-        scene="load",
-        time=time,
-        joint_names=recording.series(joints, "name")[0],
-        joint_positions=recording.series(joints, "position")[shown],
-        bag_mass=np.nan_to_num(recording.series(world, "bag.mass")[newest]),
-        bag_height=recording.series(world, "bag.height")[newest],
-        force_z=np.interp(time, recording.time(wrench), recording.series(wrench, "force")[:, 2]),
-        limit_z=np.full(len(time), recording.meta["force_limit"][2]),
-    )
+    return {
+        "scene": "load",
+        "time": time,
+        "joint_names": recording.series(joints, "name")[0],
+        "joint_positions": recording.series(joints, "position")[shown],
+        "bag_mass": np.nan_to_num(recording.newest(world, time, "bag.mass")),
+        "bag_height": recording.newest(world, time, "bag.height"),
+        "force_z": np.interp(time, recording.time(wrench), recording.series(wrench, "force")[:, 2]),
+        "limit_z": np.full(len(time), recording.meta["force_limit"][2]),
+    }

@@ -12,13 +12,13 @@ import numpy as np
 
 from services.experiment.measure.brakes import Brake, brakes, undisturbed
 from services.experiment.measure.disturbance import longest_gap, unhealthy
+from services.experiment.measure.series import rate
 from services.experiment.play.recording import Recording
 from shared import topics
 
 GROUND = 0.005  # [m]: a bag lower than this touches the ground
 REVERSAL = 0.003  # [m]: a smaller turn-round of the tool is noise, not oscillation
 HANDED_OVER = 1.0  # [s] for the person who hangs the bag to let go of it, and for the rope to come to rest
-SMOOTHING = 0.2  # [s] over which a speed is taken
 SETTLED = 2.0  # [s] averaged for a resting value
 AFTER_LANDING = 1.0  # [s] for the tool to stop once the bag has touched the ground
 
@@ -94,7 +94,7 @@ def measure(recording: Recording) -> Measures:
         landing=landing,
         lowering_time=landing - heavy,
         drop=float(rest[2] - np.min(height[way], initial=rest[2])),
-        peak_speed=float(-np.min(_speed(time, height)[way], initial=0.0)),
+        peak_speed=float(-np.min(rate(time, height[:, None])[way], initial=0.0)),
         load_swing=_swing(load[judged], 0.1 * np.sum(hanging)),
         judged_way=float(np.sum(judged) / max(1, np.sum(hanging))),
         brakes=braked,
@@ -138,14 +138,6 @@ def _excess(recording: Recording, until: float) -> float:
     values = np.hstack([recording.series(wrench, "force"), recording.series(wrench, "torque")])
     limits = np.array([*recording.meta["force_limit"], *recording.meta["torque_limit"]])
     return float(np.max(np.abs(values[_within(time, 0.0, until)]) / limits))
-
-
-def _speed(time: np.ndarray, values: np.ndarray) -> np.ndarray:
-    half = SMOOTHING / 2
-    ahead, behind = np.minimum(time + half, time[-1]), np.maximum(time - half, time[0])
-    return (np.interp(ahead, time, values) - np.interp(behind, time, values)) / np.maximum(
-        ahead - behind, 1e-9
-    )
 
 
 def _within(time: np.ndarray, start: float, end: float) -> np.ndarray:

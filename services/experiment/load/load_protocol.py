@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from services.experiment.run import Run
+from services.experiment.play.course import Run
 from shared.constants import GRAVITY
 
 HOLD = (0.5, -0.3, 1.0, 0.0, 0.0, 0.0)  # tool in base: x, y, z [m], roll, pitch, yaw [rad]
@@ -79,11 +79,3 @@ RUNS: tuple[Run, ...] = (
         spring_stiffness=[40.0] * 3 + [10.0] * 3,
     ),
 )
-
-
-def run_named(name: str) -> Run:
-    """The run of that name; ValueError lists the names there are."""
-    for run in RUNS:
-        if run.name == name:
-            return run
-    raise ValueError(f"there is no run {name!r}; choose from {', '.join(run.name for run in RUNS)}")

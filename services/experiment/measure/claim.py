@@ -1,4 +1,4 @@
-"""What an experiment claims and whether its recordings bear it out."""
+"""What an experiment finds: claims that its recordings bear out or do not, and tables of figures."""
 
 from __future__ import annotations
 
@@ -7,7 +7,16 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Claim:
-    """One line of the table. `run` is the run's name, or two names for a comparison; `short` says `text` in a row."""
+    """One line of the claims.
+
+    Attributes:
+        run: name of the run, or two names for a comparison.
+        short: the claim in a few words, for the terminal.
+        text: the claim.
+        figure: what was found.
+        limit: what it is held against.
+        passed: whether it is borne out.
+    """
 
     run: str
     short: str
@@ -15,3 +24,18 @@ class Claim:
     figure: str
     limit: str
     passed: bool
+
+
+@dataclass(frozen=True)
+class Table:
+    """Figures that are shown as they are: every cell in words.
+
+    Attributes:
+        title: what it shows.
+        head: names of its columns.
+        rows: as many cells each; the first one names the row.
+    """
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]

@@ -1,4 +1,4 @@
-"""The course of an experiment: phases that wait for a condition with a deadline, and requests whose answers decide.
+"""The course of a run: phases that wait for a condition with a deadline, and requests whose answers decide.
 
 Pure: it is told the time and what was heard last, and answers with the requests to send. It runs alike against real
 processes and in simulated time.
@@ -8,18 +8,43 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
-from services.experiment.play.observation import Seen
+from services.experiment.play.observation import Observation
 from services.experiment.play.recording import Event
-from services.experiment.run import Run
 from shared import topics
 from shared.topics import Query
 
 TARE_DURATION = 1.0  # [s] averaged
 TARE_AGAIN = 8  # times, when it is refused, or was taken where it does not hold
 ANSWER_WITHIN = 5.0  # [s] for the answer to a request, beyond what it takes by itself
+STACK_WITHIN = 30.0  # [s] for the stack to be ready for the run
+STILL_WITHIN = 60.0  # [s] for the tool to stand still, or to reach a pose
+STILL = 0.005  # [m/s]: a slower tool counts as still
+WAITING, STANDING = "waiting for the robot", "standing still before the tare"
+"""The phases that every course begins with."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One configuration of the stack under which an experiment is played.
+
+    Attributes:
+        name: of the run and of its folder.
+        title: for people.
+        law: of the controller.
+        rate: of the force-torque sensor [Hz].
+        settings: the parameters that differ from the services' defaults: service -> parameter -> value.
+        further: services that it needs besides those of every stack.
+    """
+
+    name: str
+    title: str
+    law: str
+    rate: float
+    settings: dict[str, dict[str, Any]] = field(default_factory=dict)
+    further: tuple[str, ...] = ()
 
 
 class Failed(RuntimeError):
@@ -46,9 +71,9 @@ class Course(ABC):
         done: the run is complete.
     """
 
-    def __init__(self, run: Run, phase: str) -> None:
+    def __init__(self, run: Run) -> None:
         self.run = run
-        self.phase = phase
+        self.phase = WAITING
         self.start: float | None = None
         self.events: list[Event] = []
         self.done = False
@@ -59,10 +84,10 @@ class Course(ABC):
 
     @property
     @abstractmethod
-    def phases(self) -> Mapping[str, Callable[[float, Seen], list[Ask]]]:
-        """What to do in each phase, given the time [s] and what is seen."""
+    def phases(self) -> Mapping[str, Callable[[float, Observation], list[Ask]]]:
+        """What to do in each phase after `WAITING`, given the time [s] and what is seen."""
 
-    def step(self, now: float, seen: Seen) -> list[Ask]:
+    def step(self, now: float, seen: Observation) -> list[Ask]:
         """One step at time `now` [s, any origin].
 
         Raises:
@@ -73,7 +98,7 @@ class Course(ABC):
         if self._pending is not None:
             self._await_answer(self._pending, now)
             return []
-        return self.phases[self.phase](now, seen)
+        return self._wait(now, seen) if self.phase == WAITING else self.phases[self.phase](now, seen)
 
     def answered(self, answer: dict[str, Any]) -> None:
         """Takes the reply to the last `Ask` (a map with `ok`)."""
@@ -101,6 +126,18 @@ class Course(ABC):
         """Asks for a tare."""
         return self.ask(now, Ask(topics.WRENCH_TARE, {"duration": TARE_DURATION}, TARE_DURATION))
 
+    def tare_when(self, still: bool, now: float, seen: Observation) -> list[Ask]:
+        """Asks for a tare once the tool is still enough.
+
+        Raises:
+            Failed: it is not within `STILL_WITHIN`.
+        """
+        if still:
+            return self.tare(now)
+        moves = f"the tool still moves at {1e3 * seen.speed:.0f} mm/s. {seen.trouble}"
+        self.give_up(now, STILL_WITHIN, moves)
+        return []
+
     def may_tare_again(self) -> bool:
         """Counts a tare that was of no use, and says whether another one may be tried."""
         self._tares += 1
@@ -123,6 +160,33 @@ class Course(ABC):
         """
         if self._since is not None and now - self._since > after:
             raise Failed(f"gave up {self.phase} after {after:.0f} s: {why}")
+
+    def _wait(self, now: float, seen: Observation) -> list[Ask]:
+        if lacking := self._lacking(seen):
+            self.give_up(now, STACK_WITHIN, lacking)
+        else:
+            self.enter(STANDING, now)
+        return []
+
+    def _lacking(self, seen: Observation) -> str:
+        """What the run still needs, with the remedy; empty if it can begin."""
+        if seen.position is None:
+            return "nothing was heard on state/ee. Is the robot process running, on the same router and robot name?"
+        if not seen.wrench_valid:
+            return f"wrench/external is not valid. {seen.trouble}"
+        if not seen.law:
+            return "nothing was heard on control/status. Is the controller running?"
+        if seen.law != self.run.law:
+            wanted = self.run.law
+            return f"the controller runs law {seen.law!r}, wanted {wanted!r}: start it with --set 'law=\"{wanted}\"'"
+        if seen.mode == "stopped":
+            return "the robot is stopped. Release it with: tandem resume"
+        for service, heard in (("task", seen.task), ("base", seen.base)):
+            if service in self.run.further and not heard:
+                return f"nothing was heard on {service}/status. Start it with: tandem start {service}"
+        if self.run.settings.get("sim", {}).get("scene") == "carry" and not seen.panel:
+            return "there is no panel to carry: start the simulation with --set 'sim.scene=\"carry\"'"
+        return ""
 
     def _await_answer(self, ask: Ask, now: float) -> None:
         if self._answer is None:

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from services.experiment.run import Run
 from shared import topics
 from shared.messages import EndEffector, ExternalWrench
 from shared.service import Inputs
@@ -24,7 +23,7 @@ INPUTS = (
 
 
 @dataclass(frozen=True)
-class Seen:
+class Observation:
     """What was heard last.
 
     Attributes:
@@ -56,7 +55,7 @@ class Seen:
     doing: str = ""
 
     @classmethod
-    def of(cls, inputs: Inputs) -> Seen:
+    def of(cls, inputs: Inputs) -> Observation:
         """The newest of what came in."""
         tool, wrench = inputs.get(topics.STATE_EE), inputs.get(topics.WRENCH_EXTERNAL)
         status, robot = inputs.get(topics.CONTROL_STATUS), inputs.get(topics.STATE_ROBOT)
@@ -84,28 +83,6 @@ class Seen:
             panel=world is not None and world.message.panel is not None,
             doing=hand.doing if hand is not None else "",
         )
-
-    def lacking(self, run: Run) -> str:
-        """What a run still needs, with the remedy; empty if it can begin."""
-        if self.position is None:
-            return "nothing was heard on state/ee. Is the robot process running, on the same router and robot name?"
-        if not self.wrench_valid:
-            return f"wrench/external is not valid. {self.trouble}"
-        if not self.law:
-            return "nothing was heard on control/status. Is the controller running?"
-        if self.law != run.law:
-            return (
-                f"the controller runs law {self.law!r}, wanted {run.law!r}: start it with "
-                f"--set 'law=\"{run.law}\"'"
-            )
-        if self.mode == "stopped":
-            return "the robot is stopped. Release it with: tandem resume"
-        for service, heard in (("task", self.task), ("base", self.base)):
-            if service in run.further and not heard:
-                return f"nothing was heard on {service}/status. Start it with: tandem start {service}"
-        if run.settings.get("sim", {}).get("scene") == "carry" and not self.panel:
-            return "there is no panel to carry: start the simulation with --set 'sim.scene=\"carry\"'"
-        return ""
 
 
 def _trouble(wrench: Any, status: Any) -> str:

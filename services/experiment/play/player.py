@@ -1,4 +1,4 @@
-"""An experiment as a service: advances its course, asks what that wants, records every topic.
+"""The player, a service: advances the course of a run, asks what that wants, records every topic.
 
 The same class runs in a process of its own over Zenoh and beside the other services in simulated time; only the way
 to ask a query differs, since nobody may wait inside simulated time.
@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from services.experiment.play.course import Ask, Course
-from services.experiment.play.observation import INPUTS, Seen
+from services.experiment.play.observation import INPUTS, Observation
 from services.experiment.play.recording import Recorder, Recording
 from shared import topics
 from shared.clock import Clock, seconds
@@ -30,7 +30,7 @@ RECORDED: tuple[Topic, ...] = (
 )
 
 
-class Experiment:
+class Player:
     """Plays one run. Its `step` is called every `PERIOD`; `finished` tells when to stop.
 
     Args:
@@ -69,7 +69,7 @@ class Experiment:
         Raises:
             Failed: the experiment cannot go on.
         """
-        for ask in self.course.step(self.now(), Seen.of(inputs)):
+        for ask in self.course.step(self.now(), Observation.of(inputs)):
             self._ask(ask, self.course.answered)
         return [] if self._target is None else [Output(topics.CONTROL_TARGET, self._target)]
 

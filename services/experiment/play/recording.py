@@ -59,6 +59,12 @@ class Recording:
             raise KeyError(f"{key} has no field {name!r} in this recording; it has {', '.join(columns)}")
         return columns[name]
 
+    def newest(self, key: str, time: np.ndarray, *names: str) -> np.ndarray:
+        """Fields of a topic's newest message at each time (n,) [s], side by side; of its first one before that."""
+        rows = np.maximum(np.searchsorted(self.time(key), time, side="right") - 1, 0)
+        fields = [self.series(key, name)[rows] for name in names]
+        return fields[0] if len(fields) == 1 else np.column_stack(fields)
+
     def event(self, name: str) -> Event | None:
         """The first event of that name, or None."""
         return next((event for event in self.events if event.name == name), None)

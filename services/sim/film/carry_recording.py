@@ -5,13 +5,12 @@ The recording holds series over one ``time`` (N,) [s]: ``joint_names`` (n,), ``j
 person's hands, ``hand_position`` (N, 3) [m], and what they do to the panel, ``hand_force`` (N, 3) [N], all in world;
 ``person_holds`` (N,); in base the panel's ``force`` (N, 3) [N] on the tool, the ``wrench`` (N, 6) [N, Nm] less the
 nominal one, and its ``limit`` (N, 6), NaN while there is none; whether the marker is ``covered`` and the camera is
-``looking``; ``caption`` (N,). Besides ``parameters``, a JSON map of the simulation's, and ``moment_times`` (M,) [s]
-with ``moment_captions`` (M,).
+``looking``; ``caption`` (N,). Besides ``parameters``, those of the simulation, and ``moment_times`` (M,) [s] with
+``moment_captions`` (M,).
 """
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -113,8 +112,8 @@ class CarryRun:
             raise Misconfigured(f"wanted series of one length, at least 2, got time {rows}, {told}")
         self._names = [str(name) for name in data["joint_names"]]
         try:
-            parameters = SimParameters.of(json.loads(str(data["parameters"])))
-        except (Refused, ValueError) as problem:
+            parameters = SimParameters.of(data["parameters"])
+        except Refused as problem:
             raise Misconfigured(f"parameters: {problem}") from None
         self.scenery: Scenery = parameters.scenery()
         self.moments = [

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,7 +22,7 @@ def carry(**changes: Any) -> dict[str, Any]:
     turns = np.clip(2.0 * share - 1.0, 0.0, 1.0) * np.pi / 2.0
     data = {
         "scene": "carry",
-        "parameters": json.dumps({"scene": "carry", "marker_id": 7, "marker_size": 0.15}),
+        "parameters": {"scene": "carry", "marker_id": 7, "marker_size": 0.15},
         "time": np.linspace(10.0, 10.0 + SECONDS, ROWS),
         "joint_names": np.array(list(CARRY_HOME)),
         "joint_positions": np.tile(list(CARRY_HOME.values()), (ROWS, 1)),
@@ -44,9 +42,3 @@ def carry(**changes: Any) -> dict[str, Any]:
         "moment_captions": np.array(("found", "lifted", "turned upright")),
     }
     return {name: value for name, value in (data | changes).items() if value is not None}
-
-
-def saved(path: Path, **changes: Any) -> Path:
-    """The same as a file."""
-    np.savez(path, **carry(**changes))
-    return path

@@ -5,12 +5,11 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.experiment_stack import play_run
-from services.experiment.carry.carry_protocol import run_named
-from services.experiment.carry.experiment import CARRY
+from services.experiment.carry.carry import CARRY
 from services.experiment.play.recording import Recording
 
 
 @pytest.fixture(scope="session")
 def carried() -> Recording:
     """certified-omni; whoever changes it copies it first."""
-    return play_run(CARRY, run_named("certified-omni"))
+    return play_run(CARRY, CARRY.run_named("certified-omni"))

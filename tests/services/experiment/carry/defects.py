@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from services.experiment.carry.carry_protocol import PANEL_SIZE
-from services.experiment.carry.motion import at
+from services.experiment.measure.series import at
 from services.experiment.play.recording import Recording
 from services.sim.scene.hands import STIFFNESS
 

@@ -8,9 +8,10 @@ import dataclasses
 import numpy as np
 import pytest
 
+from services.experiment.carry.carry import CARRY
 from services.experiment.carry.carry_claims import judge
 from services.experiment.carry.carry_measures import Measures, measure
-from services.experiment.carry.carry_protocol import GUIDANCE, SCRIPTS, run_named
+from services.experiment.carry.carry_protocol import GUIDANCE, SCRIPTS
 from services.experiment.play.recording import Recording
 from services.sim.scene.script import read
 from tests.services.experiment.carry import defects
@@ -23,7 +24,7 @@ WRENCH, WORLD = "wrench/external", "sim/world"
 
 
 def failed(found: Measures, name: str = NAME) -> list[str]:
-    claims = judge({name: run_named(name)}, {name: found})
+    claims = judge({name: CARRY.run_named(name)}, {name: found})
     assert claims
     return [claim.short for claim in claims if not claim.passed]
 
@@ -146,7 +147,7 @@ class TestCarry:
             )
             other = dataclasses.replace(found, excess=excess, effort=effort)
             claims = judge(
-                {name: run_named(name) for name in names}, dict(zip(names, (other, found), strict=True))
+                {name: CARRY.run_named(name) for name in names}, dict(zip(names, (other, found), strict=True))
             )
             assert [claim.passed for claim in claims if claim.run == ", ".join(names)] == [passed] * 4
 

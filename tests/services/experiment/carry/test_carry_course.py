@@ -7,15 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from services.experiment.carry.carry import CARRY
 from services.experiment.carry.carry_course import CarrySequence
-from services.experiment.carry.carry_protocol import SCRIPTS, run_named
+from services.experiment.carry.carry_protocol import SCRIPTS
 from services.experiment.play.course import Ask
-from services.experiment.play.observation import Seen
+from services.experiment.play.observation import Observation
 from services.experiment.play.player import PERIOD
 from shared import topics
 
-RUN = run_named("certified-none")
-READY = Seen(
+RUN = CARRY.run_named("certified-none")
+READY = Observation(
     position=np.zeros(3),
     speed=0.0,
     law="certified",
@@ -31,7 +32,7 @@ class Impatient(CarrySequence):
 
     said = False
 
-    def meanwhile(self, now: float, seen: Seen) -> list[Ask]:
+    def meanwhile(self, now: float, seen: Observation) -> list[Ask]:
         if self.said or seen.task != "carrying":
             return []
         self.said = True

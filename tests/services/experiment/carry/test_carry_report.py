@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from services.experiment.carry import carry_figures as figures
-from services.experiment.carry import carry_report as report
+from services.experiment.carry.carry import CARRY
 from services.experiment.carry.carry_measures import measure
-from services.experiment.carry.carry_protocol import run_named
 from services.experiment.carry.phases import parts
 from services.experiment.carry.tables import tables
+from services.experiment.experiments import report
 from services.experiment.main import main
 from services.experiment.play.recording import RECORDING, Recording
 from tests.services.experiment.carry import defects
@@ -36,7 +36,7 @@ def folder(carried: Recording, tmp_path_factory: pytest.TempPathFactory) -> Path
     path = tmp_path_factory.mktemp("report")
     put(path, "certified-omni", carried)
     put(path, "paper-omni", carried)
-    (path / "certified-omni" / report.STRIP).write_bytes(b"strip")
+    (path / "certified-omni" / "strip.png").write_bytes(b"strip")
     (path / "certified-omni" / "scene.mp4").write_bytes(b"film")
     assert main(["report", str(path), "--ran", "tandem run carry <here>"]) == 0
     return path
@@ -117,7 +117,7 @@ def test_a_panel_that_was_never_let_go_can_be_drawn(carried: Recording) -> None:
     defects.never_let_go(held)
     found = measure(held)
     for draw in (figures.draw_wrench, figures.draw_paths, figures.draw_heights):
-        assert draw(run_named("certified-omni"), held, found).axes
+        assert draw(CARRY.run_named("certified-omni"), held, found).axes
 
 
 def test_the_parts_are_those_of_the_script_in_its_order(carried: Recording) -> None:
@@ -130,4 +130,4 @@ def test_the_parts_are_those_of_the_script_in_its_order(carried: Recording) -> N
 
 def test_an_empty_folder_is_refused_with_one_line(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match="no recording of any run"):
-        report.write(tmp_path)
+        report(tmp_path)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from services.experiment.load import load_protocol as protocol
+from services.experiment.play.course import Run
 from services.experiment.play.recording import Event, Recording
-from services.experiment.run import Run
 from shared.constants import GRAVITY
 
 STEP = 0.01  # [s]

@@ -8,15 +8,16 @@ import re
 import numpy as np
 import pytest
 
+from services.experiment.load.load import LOAD
 from services.experiment.load.load_claims import judge
 from services.experiment.load.load_measures import measure, reversals
-from services.experiment.load.load_protocol import FORCE_LIMIT, RUNS, run_named
-from services.experiment.run import Run
+from services.experiment.load.load_protocol import RUNS
+from services.experiment.play.course import Run
 from tests.services.experiment.load.synthetic import Defect, recording
 
 
 def failed(run: Run, defect: Defect | None = None) -> list[str]:
-    claims = judge({run.name: run}, {run.name: measure(recording(run, defect))}, FORCE_LIMIT[2])
+    claims = judge({run.name: run}, {run.name: measure(recording(run, defect))})
     assert claims
     return [claim.text for claim in claims if not claim.passed]
 
@@ -48,12 +49,12 @@ def test_a_good_run_passes_every_claim(run: Run) -> None:
     ],
 )
 def test_a_defect_fails_its_claim(defect: Defect, words: str) -> None:
-    assert any(words in text for text in failed(run_named("certified-100"), defect))
+    assert any(words in text for text in failed(LOAD.run_named("certified-100"), defect))
 
 
 def steady(defect: Defect) -> tuple[str, bool]:
-    run = run_named("certified-100")
-    claims = judge({run.name: run}, {run.name: measure(recording(run, defect))}, FORCE_LIMIT[2])
+    run = LOAD.run_named("certified-100")
+    claims = judge({run.name: run}, {run.name: measure(recording(run, defect))})
     return next((claim.figure, claim.passed) for claim in claims if "carries it steadily" in claim.text)
 
 
@@ -76,25 +77,25 @@ def test_a_load_that_swings_beside_a_brake_fails_all_the_same() -> None:
 
 
 def test_where_brakes_leave_too_little_to_judge_the_claim_fails() -> None:
-    run = run_named("certified-100")
+    run = LOAD.run_named("certified-100")
     found = dataclasses.replace(measure(recording(run)), judged_way=0.1, load_swing=0.1)
-    claims = judge({run.name: run}, {run.name: found}, FORCE_LIMIT[2])
+    claims = judge({run.name: run}, {run.name: found})
     assert [(claim.figure, claim.passed) for claim in claims if "steadily" in claim.text] == [
         ("too little without brakes", False)
     ]
 
 
 def test_a_baseline_that_holds_the_bag_fails_the_claim_that_it_sags() -> None:
-    stiff = dataclasses.replace(run_named("certified-100"), law="stiffness")
-    found = measure(recording(run_named("certified-100")))
-    claims = judge({stiff.name: stiff}, {stiff.name: found}, FORCE_LIMIT[2])
+    stiff = dataclasses.replace(LOAD.run_named("certified-100"), law="stiffness")
+    found = measure(recording(LOAD.run_named("certified-100")))
+    claims = judge({stiff.name: stiff}, {stiff.name: found})
     assert [claim.text for claim in claims if not claim.passed] == [
         "the baseline cannot hold 20 N: it sags by decimetres"
     ]
 
 
 def test_the_comparison_follows_the_figures_not_the_names() -> None:
-    paper, certified = run_named("paper-30"), run_named("certified-30")
+    paper, certified = LOAD.run_named("paper-30"), LOAD.run_named("certified-30")
     runs = {paper.name: paper, certified.name: certified}
     found = measure(recording(paper))
     for factor, passed in ((0.5, True), (1.5, False)):
@@ -102,14 +103,12 @@ def test_the_comparison_follows_the_figures_not_the_names() -> None:
             name: factor * getattr(found, name) for name in ("load_swing", "ground_peak", "ground_ripple")
         }
         measured = {paper.name: found, certified.name: dataclasses.replace(found, **better)}
-        claims = [
-            claim for claim in judge(runs, measured, FORCE_LIMIT[2]) if claim.run == "certified-30, paper-30"
-        ]
+        claims = [claim for claim in judge(runs, measured) if claim.run == "certified-30, paper-30"]
         assert [claim.passed for claim in claims] == [passed] * 3
 
 
 def test_figures_are_those_of_the_model() -> None:
-    found = measure(recording(run_named("certified-100")))
+    found = measure(recording(LOAD.run_named("certified-100")))
     assert found.hold_height == pytest.approx(1.0, abs=1e-3)
     assert found.hold_error < 1e-3
     assert found.peak_speed == pytest.approx(0.15, abs=0.01)
@@ -118,7 +117,7 @@ def test_figures_are_those_of_the_model() -> None:
 
 
 def test_a_recording_that_stopped_early_is_refused_by_name() -> None:
-    short = recording(run_named("paper-30"))
+    short = recording(LOAD.run_named("paper-30"))
     short.events = short.events[:1]
     with pytest.raises(ValueError, match=r"paper-30.*'heavy'"):
         measure(short)

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 from services.experiment.load import load_protocol as protocol
+from services.experiment.load.load import LOAD
 from services.experiment.load.load_course import LoadSequence
-from services.experiment.load.load_protocol import run_named
 from services.experiment.play.course import Failed
-from services.experiment.play.observation import Seen
+from services.experiment.play.observation import Observation
 from services.experiment.play.player import PERIOD
 from shared import topics
 
-RUN = run_named("certified-100")
-AT_POSE = Seen(
+RUN = LOAD.run_named("certified-100")
+AT_POSE = Observation(
     position=np.array(protocol.HOLD[:3]),
     speed=0.0,
     law="certified",
@@ -28,7 +28,7 @@ AT_POSE = Seen(
 
 
 def play(
-    seen: Seen, answer: dict[str, Any] | None = None, until: float = 100.0
+    seen: Observation, answer: dict[str, Any] | None = None, until: float = 100.0
 ) -> tuple[LoadSequence, list[Any]]:
     """Steps at 10 Hz with the same observation, answering every request in the following step."""
     sequence, asked, now = LoadSequence(RUN), [], 0.0
@@ -80,7 +80,7 @@ def test_a_tare_that_is_refused_once_is_asked_for_again() -> None:
 @pytest.mark.parametrize(
     ("seen", "answer", "reason"),
     [
-        (Seen(), None, "state/ee.*robot process running"),
+        (Observation(), None, "state/ee.*robot process running"),
         (
             dataclasses.replace(AT_POSE, wrench_valid=False, trouble="stuck"),
             None,
@@ -116,6 +116,6 @@ def test_a_tare_that_is_refused_once_is_asked_for_again() -> None:
         "noisy",
     ],
 )
-def test_gives_up_with_the_reason(seen: Seen, answer: dict[str, Any] | None, reason: str) -> None:
+def test_gives_up_with_the_reason(seen: Observation, answer: dict[str, Any] | None, reason: str) -> None:
     with pytest.raises(Failed, match=reason):
         play(seen, answer)

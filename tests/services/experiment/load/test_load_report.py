@@ -9,18 +9,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from services.experiment.load import load_report as report
+from services.experiment.experiments import report
+from services.experiment.load.load import LOAD
 from services.experiment.load.load_film import film_data
-from services.experiment.load.load_protocol import RUNS, run_named
+from services.experiment.load.load_protocol import RUNS
 from services.experiment.main import main
 from services.experiment.play.recording import RECORDING
-from services.experiment.report import film
+from services.sim.film import film
+from shared.loop.config import Misconfigured
 from tests.services.experiment.load.synthetic import Defect, recording
 
 
 def put(folder: Path, name: str, defect: Defect | None = None) -> None:
     (folder / name).mkdir(parents=True)
-    recording(run_named(name), defect).save(folder / name / RECORDING)
+    recording(LOAD.run_named(name), defect).save(folder / name / RECORDING)
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +85,7 @@ def test_a_brake_is_told_in_the_table_and_grey_in_the_figure(tmp_path: Path) -> 
 def test_a_run_that_did_not_finish_fails_the_command_but_not_the_others(tmp_path: Path) -> None:
     put(tmp_path, "paper-30")
     put(tmp_path, "certified-30")
-    cut = recording(run_named("paper-30"))
+    cut = recording(LOAD.run_named("paper-30"))
     cut.events.clear()
     cut.save(tmp_path / "paper-30" / RECORDING)
     assert main(["report", str(tmp_path)]) == 1
@@ -95,37 +97,39 @@ def test_a_run_that_did_not_finish_fails_the_command_but_not_the_others(tmp_path
 def test_a_machine_that_stalled_is_named(tmp_path: Path) -> None:
     put(tmp_path, "paper-30", Defect(stall=1.5))
     put(tmp_path, "certified-30")
-    problems = report.write(tmp_path).problems
+    problems = report(tmp_path).problems
     assert len(problems) == 1
     assert problems[0].startswith("paper-30: the force sensor was silent for up to 15")
+
+
+def refuse(*_: object) -> None:
+    raise Misconfigured("series of one length")
 
 
 def test_a_film_that_cannot_be_made_is_told_and_the_report_does_without(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     put(tmp_path, "certified-100")
-    monkeypatch.setattr(film.sys, "executable", "/bin/false")
+    monkeypatch.setattr(film, "render", refuse)
     assert main(["film", str(tmp_path / "certified-100")]) == 1
-    assert "no film: services.sim.film.film ended with status 1" in capsys.readouterr().out
-    assert "<video" not in report.write(tmp_path).index.read_text()
+    assert "no film: series of one length" in capsys.readouterr().out
+    assert "<video" not in report(tmp_path).index.read_text()
 
 
 def test_a_film_is_shown_on_the_page(tmp_path: Path) -> None:
     put(tmp_path, "certified-100")
     (tmp_path / "certified-100" / film.FILM).write_bytes(b"film")
-    assert 'src="certified-100/scene.mp4"' in report.write(tmp_path).index.read_text()
+    assert 'src="certified-100/scene.mp4"' in report(tmp_path).index.read_text()
 
 
-def test_film_data_are_on_one_time_base(tmp_path: Path) -> None:
-    film_data(recording(run_named("certified-100")), tmp_path / "film.npz")
-    with np.load(tmp_path / "film.npz") as data:
-        count = len(data["time"])
-        assert data["time"][0] >= 0.0
-        for name in ("joint_positions", "bag_mass", "bag_height", "force_z", "limit_z"):
-            assert len(data[name]) == count
-        assert data["joint_positions"].shape[1] == len(data["joint_names"])
-        assert data["bag_mass"][np.searchsorted(data["time"], 15.0)] == pytest.approx(20.0 / 9.81)
-        assert data["bag_mass"][np.searchsorted(data["time"], 5.0)] == 0.0
+def test_film_data_are_on_one_time_base() -> None:
+    data = film_data(recording(LOAD.run_named("certified-100")))
+    assert data["time"][0] >= 0.0
+    for name in ("joint_positions", "bag_mass", "bag_height", "force_z", "limit_z"):
+        assert len(data[name]) == len(data["time"])
+    assert data["joint_positions"].shape[1] == len(data["joint_names"])
+    assert data["bag_mass"][np.searchsorted(data["time"], 15.0)] == pytest.approx(20.0 / 9.81)
+    assert data["bag_mass"][np.searchsorted(data["time"], 5.0)] == 0.0
 
 
 def test_an_empty_folder_is_refused_with_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

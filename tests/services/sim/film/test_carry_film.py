@@ -13,11 +13,12 @@ from services.sim.film import carry_film
 from services.sim.film.carry_recording import CarryRun, Moment
 from services.sim.film.carry_scene import CarryScene
 from services.sim.film.figure import FOREARM, UPPER_ARM, posture
-from services.sim.film.film import STRIP, main
+from services.sim.film.film import FILM, STRIP, render
 from services.sim.scene.panel import CLEARED
 from shared import topics
+from shared.loop.config import Misconfigured
 from shared.messages import HeadCommand
-from tests.services.sim.carries import ROWS, SECONDS, START, carry, saved
+from tests.services.sim.carries import ROWS, SECONDS, START, carry
 from tests.services.sim.rig import Rig
 
 SIZE = (480, 270)
@@ -42,9 +43,8 @@ def panel_in(picture: np.ndarray) -> np.ndarray:
 
 
 def test_a_film_has_its_length_and_the_strip_all_its_pictures(tmp_path: Path) -> None:
-    source = saved(tmp_path / "run.npz")
-    assert main([str(source), str(tmp_path / "film.mp4"), "--rate", "4", "--speed", "4"]) == 0
-    pictures = [np.asarray(picture, dtype=float) for picture in imageio.get_reader(tmp_path / "film.mp4")]
+    assert render(carry(), tmp_path, rate=4.0, speed=4.0) == round(SECONDS)
+    pictures = [np.asarray(picture, dtype=float) for picture in imageio.get_reader(tmp_path / FILM)]
     assert len(pictures) == round(SECONDS)
     assert pictures[0].shape == (carry_film.HEIGHT, carry_film.WIDTH, 3)
     assert np.abs(pictures[0] - pictures[-1]).mean() > 1.0
@@ -110,7 +110,7 @@ def test_the_head_camera_s_view_is_the_one_of_the_simulation() -> None:
     panel = rig.last(topics.SIM_WORLD).panel
     run = CarryRun(
         carry(
-            parameters='{"scene": "carry"}',
+            parameters={"scene": "carry"},
             joint_names=np.array(joints.name),
             joint_positions=np.tile(joints.position, (ROWS, 1)),
             base=np.tile((*base.position, base.yaw), (ROWS, 1)),
@@ -151,15 +151,12 @@ def test_the_hands_go_to_the_panel_and_do_not_jump(run: CarryRun) -> None:
     [
         ({"hand_force": None}, "no recording of a run"),
         ({"wrench": np.zeros((3, 6))}, "series of one length"),
-        ({"parameters": "{"}, "parameters: "),
-        ({"parameters": '{"marker_id": 99}'}, "parameters: "),
+        ({"parameters": {"marker_id": 99}}, "parameters: "),
     ],
 )
 def test_a_bad_recording_is_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], changes: dict[str, object], says: str
+    tmp_path: Path, changes: dict[str, object], says: str
 ) -> None:
-    source = saved(tmp_path / "run.npz", **changes)
-    assert main([str(source), str(tmp_path / "film.mp4")]) == 2
-    complaint = capsys.readouterr().err.strip()
-    assert says in complaint
-    assert "\n" not in complaint
+    with pytest.raises(Misconfigured) as refused:
+        render(carry(**changes), tmp_path)
+    assert says in str(refused.value) and "\n" not in str(refused.value)

@@ -8,14 +8,15 @@ import imageio.v2 as imageio
 import numpy as np
 import pytest
 
-from services.sim.film.film import main
+from services.sim.film.film import FILM, render
 from services.sim.film.load_film import HEIGHT, WIDTH
 from services.sim.film.load_scene import Scene
 from services.sim.robot.kinematics import HOME
+from shared.loop.config import Misconfigured
 from shared.robot.tiago import CHAIN
 
 
-def recording(path: Path, **changes: object) -> Path:
+def recording(**changes: object) -> dict[str, object]:
     rows = 40
     joints = np.tile([HOME[name] for name in CHAIN], (rows, 1))
     joints[:, 0] -= np.linspace(0, 0.3, rows)
@@ -29,16 +30,12 @@ def recording(path: Path, **changes: object) -> Path:
         "force_z": np.linspace(0, -30, rows),
         "limit_z": 25.0,
     }
-    np.savez(path, **{name: value for name, value in (data | changes).items() if value is not None})  # type: ignore[arg-type]
-    return path
+    return {name: value for name, value in (data | changes).items() if value is not None}
 
 
 def test_a_film_has_its_length_and_its_pictures_change(tmp_path: Path) -> None:
-    film = tmp_path / "film.mp4"
-    source = recording(tmp_path / "run.npz")
-    assert main([str(source), str(film), "--rate", "5", "--speed", "4"]) == 0
-    reader = imageio.get_reader(film)
-    pictures = [np.asarray(picture, dtype=float) for picture in reader]
+    assert render(recording(), tmp_path, rate=5.0, speed=4.0) == 5
+    pictures = [np.asarray(picture, dtype=float) for picture in imageio.get_reader(tmp_path / FILM)]
     assert len(pictures) == 5
     assert pictures[0].shape == (HEIGHT, WIDTH, 3)
     assert np.abs(pictures[0] - pictures[-1]).mean() > 1.0
@@ -69,19 +66,13 @@ def test_the_tool_appears_where_the_camera_says() -> None:
     ],
 )
 def test_a_bad_recording_is_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], changes: dict[str, object], says: str
+    tmp_path: Path, changes: dict[str, object], says: str
 ) -> None:
-    source = recording(tmp_path / "run.npz", **changes)
-    assert main([str(source), str(tmp_path / "film.mp4")]) == 2
-    complaint = capsys.readouterr().err.strip()
-    assert says in complaint
-    assert "\n" not in complaint
+    with pytest.raises(Misconfigured) as refused:
+        render(recording(**changes), tmp_path)
+    assert says in str(refused.value) and "\n" not in str(refused.value)
 
 
-def test_a_missing_recording_or_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([str(tmp_path / "none.npz"), str(tmp_path / "film.mp4")]) == 2
-    assert "none.npz" in capsys.readouterr().err
-    source = recording(tmp_path / "run.npz")
-    assert main([str(source), str(tmp_path / "nowhere" / "film.mp4")]) == 2
-    assert "no such folder" in capsys.readouterr().err
-    assert main([str(source), str(tmp_path / "film.mp4"), "--speed", "0"]) == 2
+def test_a_missing_folder_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match="nowhere"):
+        render(recording(), tmp_path / "nowhere")

@@ -7,9 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
+from services.experiment.carry.carry import CARRY
 from services.experiment.carry.carry_course import CarrySequence
-from services.experiment.carry.carry_protocol import run_named
-from services.experiment.main import _Progress
+from services.experiment.play.process import Progress
 from services.experiment.play.recording import Event
 from shared import topics
 from shared.clock import SteadyClock
@@ -23,10 +23,10 @@ COVERED = "no marker in sight: is it covered, or out of the picture?"
 def test_the_newest_reason_of_the_task_is_told_once_it_has_been_started(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    course = CarrySequence(run_named("certified-omni"))
+    course = CarrySequence(CARRY.run_named("certified-omni"))
     experiment = SimpleNamespace(course=course, now=lambda: 12.0)
     task = Inlet(topics.TASK_STATUS, SteadyClock())
-    progress = _Progress(True, task)
+    progress = Progress(True, task)
 
     def told(number: int, reason: str) -> dict[str, object]:
         status = TaskStatus("searching", 1.0, reason, 0.0, 0.8, None)
@@ -45,9 +45,9 @@ def test_the_newest_reason_of_the_task_is_told_once_it_has_been_started(
 
 
 def test_without_a_task_there_is_no_reason(capsys: pytest.CaptureFixture[str]) -> None:
-    course = CarrySequence(run_named("certified-omni"))
+    course = CarrySequence(CARRY.run_named("certified-omni"))
     course.start = 2.0
-    _Progress(True, Inlet(topics.TASK_STATUS, SteadyClock())).show(
+    Progress(True, Inlet(topics.TASK_STATUS, SteadyClock())).show(
         SimpleNamespace(course=course, now=lambda: 3.0)
     )
     assert json.loads(capsys.readouterr().out)["reason"] == ""

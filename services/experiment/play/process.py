@@ -1,0 +1,140 @@
+"""The player as a process: on the bus, in real time, until the run has ended or a signal comes."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from services.experiment.play.course import ANSWER_WITHIN, Ask, Failed
+from services.experiment.play.player import Answered, Player
+from services.experiment.play.recording import RECORDING
+from shared import topics
+from shared.clock import Clock, SteadyClock, seconds
+from shared.loop.process import StopRequest
+from shared.loop.runner import Runner
+from shared.parameters import Refused
+from shared.wire.bus import Bus, NoReply
+from shared.wire.client import Client
+from shared.wire.subscription import Inlet
+from shared.wire.zenoh import BusError, ZenohBus
+
+INCOMPLETE = "incomplete.npz"
+"""What was recorded of a run that was not played to the end: nothing is judged by it."""
+Compose = Callable[[Bus, Clock, Callable[[Ask, Answered], None]], Player]
+"""Makes a player of a bus, a clock, and how to send a request without waiting."""
+
+
+def play(compose: Compose, robot: str, connect: str, folder: Path, as_json: bool) -> int:
+    """Plays a run against the stack of a robot and records it.
+
+    Args:
+        compose: makes the run's player.
+        robot: first chunk of every key.
+        connect: endpoint of the router.
+        folder: that the recording goes to.
+        as_json: progress for programs.
+
+    Returns:
+        Exit status: 0 when done and after a signal, 1 with one line when the run could not be completed.
+
+    Raises:
+        BusError: the bus cannot be opened.
+    """
+    stop = StopRequest()
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        bus = ZenohBus(robot, connect, give_up=lambda: stop.requested)
+    except BusError:
+        if stop.requested:
+            return 0
+        raise
+    try:
+        client = Client(bus)
+        player = compose(bus, client.clock, lambda ask, answered: _ask_aside(client, ask, answered))
+        reason = _conduct(player, bus, stop, Progress(as_json, client.watch(topics.TASK_STATUS)))
+        if stop.requested:
+            # A broken-off run proves nothing, and writing a long recording takes longer than a signal allows.
+            return 0
+        recording = player.recording(
+            date=time.strftime("%Y-%m-%d %H:%M"), bus=f"Zenoh, router at {connect}", cores=os.cpu_count()
+        )
+        recording.save(folder / (INCOMPLETE if reason else RECORDING))
+    finally:
+        bus.close()
+    if reason:
+        print(f"experiment: {player.course.run.name}: {reason}", file=sys.stderr, flush=True)
+    return 1 if reason else 0
+
+
+def _conduct(player: Player, bus: Bus, stop: StopRequest, progress: Progress) -> str:
+    """Runs the loop until the end; returns why it failed, empty if it did not."""
+    clock = SteadyClock()
+    runner = Runner(player, bus, clock, wake=stop.wake.set)
+    while not (stop.requested or player.finished):
+        left = seconds(runner.next_deadline() - clock.now_ns())
+        if left > 0:
+            stop.wake.wait(left)
+        stop.wake.clear()
+        try:
+            runner.poll()
+        except Failed as problem:
+            return str(problem)
+        progress.show(player)
+    return ""
+
+
+def _ask_aside(client: Client, ask: Ask, answered: Answered) -> None:
+    """Asks in a thread of its own, so that targets keep going out while the answer takes its time."""
+
+    def wait() -> None:
+        try:
+            answered(client.ask(ask.query, ask.request, ask.duration + ANSWER_WITHIN))
+        except (NoReply, Refused) as problem:
+            answered({"ok": False, "error": str(problem)})
+
+    threading.Thread(target=wait, name=f"ask {ask.query.key}", daemon=True).start()
+
+
+class Progress:
+    """Says what happens: phase, time on the protocol's clock, events; as text for people or JSON for programs.
+
+    The JSON has the task's reason too, which changes with every centimetre: programs can choose when to show it.
+
+    Args:
+        as_json: whether programs read it.
+        task: status of the stack's task.
+    """
+
+    def __init__(self, as_json: bool, task: Inlet) -> None:
+        self._as_json = as_json
+        self._task = task
+        self._said: object = None
+
+    def show(self, player: Player) -> None:
+        """Prints a line when something has changed."""
+        course = player.course
+        elapsed = course.elapsed(player.now())
+        event = course.events[-1] if course.events else None
+        said: object
+        if self._as_json:
+            # Before the protocol's clock starts the task waits for nothing but its start.
+            task = None if elapsed is None else self._task.latest
+            said = {
+                "phase": course.phase,
+                "elapsed": None if elapsed is None else round(elapsed, 1),
+                "event": event.name if event else "",
+                "reason": task.message.reason if task else "",
+            }
+            line = json.dumps(said)
+        else:
+            said = (course.phase, event)
+            line = f"{elapsed or 0.0:5.1f} s  {course.phase}"
+            line += f" ({event.name} {event.detail})" if event else ""
+        if said != self._said:
+            print(line, flush=True)
+            self._said = said
