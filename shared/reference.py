@@ -8,8 +8,19 @@ from dataclasses import MISSING
 from typing import Any
 
 from shared.messages import Header
-from shared.schema.fields import Boolean, Bytes, Integer, Kind, Number, Quaternion, Text, TextList, Vector
-from shared.schema.records import MapOf, Record, RecordOf
+from shared.schema.fields import (
+    Anything,
+    Boolean,
+    Bytes,
+    Integer,
+    Kind,
+    Number,
+    Quaternion,
+    Text,
+    TextList,
+    Vector,
+)
+from shared.schema.records import AnyMap, MapOf, Nullable, Record, RecordOf
 from shared.topics import ANYBODY, QUERIES, ROBOT, TOPICS, health_topic
 
 _PREAMBLE = """\
@@ -37,6 +48,7 @@ _TYPES: tuple[tuple[type[Kind], str], ...] = (
     (TextList, "text list"),
     (Text, "text"),
     (Bytes, "bytes"),
+    (Anything, "anything"),
 )
 
 
@@ -49,6 +61,10 @@ def _type_name(kind: Kind) -> str:
         return "map or null" if kind.nullable else "map"
     if isinstance(kind, MapOf):
         return "map of maps"
+    if isinstance(kind, AnyMap):
+        return "map"
+    if isinstance(kind, Nullable):
+        return f"{_type_name(kind.kind)} or null"
     for cls, name in _TYPES:
         if isinstance(kind, cls):
             choices = kind.choices if isinstance(kind, Text) else ()
@@ -58,11 +74,16 @@ def _type_name(kind: Kind) -> str:
 
 
 def _range(kind: Kind) -> str:
+    if isinstance(kind, Nullable):
+        return _range(kind.kind)
+    parts = []
     if isinstance(kind, (Number, Vector)) and kind.above > -math.inf:
-        return f"> {kind.above:g}"
-    if isinstance(kind, (Number, Vector, Integer)) and kind.minimum > _LEAST:
-        return f">= {kind.minimum:g}"
-    return ""
+        parts.append(f"> {kind.above:g}")
+    elif isinstance(kind, (Number, Vector, Integer)) and kind.minimum > _LEAST:
+        parts.append(f">= {kind.minimum:g}")
+    if isinstance(kind, (Number, Vector)) and kind.maximum < math.inf:
+        parts.append(f"<= {kind.maximum:g}")
+    return ", ".join(parts)
 
 
 def _absent(default: Any) -> str:
@@ -101,13 +122,17 @@ def lines() -> Iterator[str]:
         yield f"\n### {topic.message.__name__} (`{topic.key}`)\n"
         yield f"{topic.message.__doc__}\n"
         yield from _fields(topic.message)
-    yield "\n## Queries\n"
-    yield 'Request and reply are maps; a refusal is `{"ok": false, "error": text}`.\n'
-    yield "| key | answered by | request | reply besides `ok` |"
-    yield "|---|---|---|---|"
+    yield "\n## Queries"
+    yield '\nRequest and reply are maps, the reply with `ok` besides; a refusal is `{"ok": false, "error": text}`.'
     for query in QUERIES:
-        server = publishers.get(query.server, query.server)
-        yield f"| `{query.key}` | {server} | {query.request} | {query.reply} |"
+        yield f"\n### `{query.key}`, answered by {publishers.get(query.server, query.server)}"
+        for word, (request, reply) in query.exchanges.items():
+            which = f'`{query.word}` "{word}": ' if word else ""
+            yield f"\n{which}{request.__doc__}\n"
+            yield from _fields(request)
+            if reply.kinds():
+                yield f"- reply: {reply.__doc__}"
+                yield from _fields(reply, "  ")
 
 
 if __name__ == "__main__":

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Generic, TypeVar
 
 from shared.faults import Fault
 from shared.messages import Header
-from shared.parameters import Parameters
+from shared.parameters import Parameters, Refused
 from shared.schema.records import Record
 from shared.topics import Query, Topic
 
 M = TypeVar("M", bound=Record)
+P = TypeVar("P", bound=Parameters)
+Reply = Callable[[Record | Refused], None]
+"""Answers a query, with a refusal if what was begun could not be finished."""
 
 
 @dataclass(slots=True)
@@ -96,39 +100,48 @@ class Inputs:
         return self._refusals.get(topic.key, "")
 
 
-class Service(Protocol):
+class Service(ABC, Generic[P]):
     """What the loop runs. It sees no clock, no bus and no log.
 
-    ``max_delay`` [s] is the declared bound on how much later than the fastest one a message may arrive.
+    Attributes:
+        wiring: what it is connected to.
+        parameters: in force.
+        max_delay: bound [s] on how much later than the fastest one a message may arrive.
     """
 
     wiring: Wiring
-    parameters: Parameters
-    max_delay: float
+    max_delay: float = 0.2
 
+    def __init__(self, parameters: P) -> None:
+        self.parameters = parameters
+
+    @abstractmethod
     def step(self, inputs: Inputs, dt: float) -> Iterable[Output]:
         """One step with healthy inputs, ``dt`` [s] after the last call; commands first.
 
         Each output is sent as soon as it is there: what a generator makes after a command does not delay it.
         """
-        ...
 
     def brake(self, fault: Fault, dt: float) -> Iterable[Output]:
         """What to publish because of a fault, ``dt`` [s] after the last call."""
-        ...
+        return ()
 
-    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
-        """Answer a query now or in a later step.
+    def query(self, query: Query, request: Record, reply: Reply) -> None:
+        """Answer a query of the wiring now or in a later step.
 
         Raises:
             Refused: with the reason.
         """
-        ...
+        raise Refused(f"{query.key} is not served by {self.wiring.name}")
 
-    def apply(self, parameters: Parameters) -> None:
-        """Take over parameters that have been checked."""
-        ...
+    def apply(self, parameters: P) -> None:
+        """Take over parameters that have been checked.
+
+        Raises:
+            Refused: with the reason; nothing is changed then.
+        """
+        self.parameters = parameters
 
     def notes(self) -> str:
         """What a human should know although the service works; empty if nothing."""
-        ...
+        return ""

@@ -1,11 +1,13 @@
-"""The messages that only a simulation publishes, see ``shared.messages``; world is ``base_footprint`` at the start."""
+"""Messages and requests of a simulation alone, see ``shared.messages``; world is ``base_footprint`` at the start."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from shared.schema.fields import Boolean, Number, Quaternion, Text, Vector
-from shared.schema.records import Record, RecordOf, of
+from shared.schema.fields import Anything, Boolean, InvalidField, Number, Quaternion, Text, Vector
+from shared.schema.records import Nullable, Record, RecordOf, of
 
 
 class PanelState(Record):
@@ -47,3 +49,60 @@ class SimWorld(Record):
     hand: HandState | None = of(RecordOf(record=HandState, nullable=True))
     contact_force: np.ndarray = of(Vector("N"))
     marker_visible: bool = of(Boolean())
+
+
+HEAVIEST = 20.0
+"""Largest mass [kg] of a bag."""
+LARGEST_FORCE, LARGEST_TORQUE, LONGEST_PUSH = 300.0, 50.0, 600.0
+"""Of a push [N, Nm, s]."""
+FARTHEST = 20.0
+"""Of a target of the person's hands [m]."""
+FAULTS = ("off", "stuck", "garbage", "bias", "delay", "ok")
+
+
+class Reset(Record):
+    """Set the scene back to its start."""
+
+
+class Load(Record):
+    """Hang a bag of this total mass from the tool; 0 takes it off."""
+
+    mass: float = of(Number("kg", minimum=0.0, maximum=HEAVIEST))
+
+
+class Push(Record):
+    """Push at the tool for a while."""
+
+    duration: float = of(Number("s", minimum=0.0, maximum=LONGEST_PUSH))
+    force: np.ndarray = of(Vector("N", minimum=-LARGEST_FORCE, maximum=LARGEST_FORCE), default=(0.0,) * 3)
+    torque: np.ndarray = of(Vector("Nm", minimum=-LARGEST_TORQUE, maximum=LARGEST_TORQUE), default=(0.0,) * 3)
+
+
+class Hand(Record):
+    """Let the simulated person act out a script, or lead the person's hands to a target: one of both."""
+
+    script: str | None = of(Nullable(doc="name, or TOML text", kind=Text(longest=64 * 1024)), default=None)
+    target: np.ndarray | None = of(
+        Nullable("m", "in world", kind=Vector("m", minimum=-FARTHEST, maximum=FARTHEST)), default=None
+    )
+
+    def check(self) -> None:
+        if (self.script is None) == (self.target is None):
+            raise InvalidField("hand takes either script, a name or TOML text, or target, 3 numbers in m")
+
+
+class CoverMarker(Record):
+    """Lay something over the marker, or take it away."""
+
+    covered: bool = of(Boolean(), default=True)
+
+
+class SensorFault(Record):
+    """Break a sensor's line, or mend it."""
+
+    target: str = of(Text(choices=("ft", "camera", "joints")))
+    kind: str = of(Text(choices=FAULTS))
+    value: Any = of(
+        Anything("", "of a bias: N, Nm, rad or of 255, one number or one per axis; of a delay: s"),
+        default=None,
+    )

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from shared import messages as m
+from shared import requests as r
+from shared import sim_messages as sim
+from shared.requests import Nothing
+from shared.schema.fields import InvalidField, Text
 from shared.schema.records import Record
-from shared.sim_messages import SimWorld
 from shared.wire.codec import MAP_CAP
 
 M = TypeVar("M", bound=Record)
@@ -44,21 +48,50 @@ class Topic(Generic[M]):
         return " or ".join(self.publishers)
 
 
-@dataclass(frozen=True)
+class Exchange(NamedTuple):
+    """What is asked, and what is answered besides ``ok``."""
+
+    request: type[Record]
+    reply: type[Record] = Nothing
+
+
+@dataclass(frozen=True, eq=False)
 class Query:
     """One queryable.
 
     Attributes:
         key: without the robot's prefix.
         server: the service that answers.
-        request: the request's fields, for the reader.
-        reply: the reply's fields besides ``ok``, for the reader.
+        exchanges: what may be asked; by the request's field ``word``, if it has one that says which.
     """
 
     key: str
     server: str
-    request: str
-    reply: str
+    exchanges: Mapping[str, Exchange]
+    word: str = ""
+
+    def request(self, data: Mapping[str, Any]) -> Record:
+        """The request of a decoded map.
+
+        Raises:
+            InvalidField: it asks for something else, or a field is missing or not of its kind.
+        """
+        return self._exchange(data).request.from_plain(data)
+
+    def reply(self, request: Mapping[str, Any], data: Mapping[str, Any]) -> Record:
+        """The reply of a decoded map to a request.
+
+        Raises:
+            InvalidField: a field is missing or not of its kind.
+        """
+        return self._exchange(request).reply.from_plain(data)
+
+    def _exchange(self, data: Mapping[str, Any]) -> Exchange:
+        if not self.word:
+            return self.exchanges[""]
+        if self.word not in data:
+            raise InvalidField(f"{self.word} is missing, wanted one of {', '.join(self.exchanges)}")
+        return self.exchanges[Text(choices=tuple(self.exchanges)).check(data[self.word], self.word)]
 
 
 SENSOR_FT = Topic("sensor/ft", m.FtSample, 100, 0.03, (ROBOT,))
@@ -81,7 +114,7 @@ CONTROL_STATUS = Topic("control/status", m.ControlStatus, 100, 1.0, ("controller
 BASE_STATUS = Topic("base/status", m.BaseStatus, 100, 1.0, ("base",))
 BASE_ENABLE = Topic("base/enable", m.Enable, 5, 1.0, ("task",))
 TASK_STATUS = Topic("task/status", m.TaskStatus, 5, 1.0, ("task",))
-SIM_WORLD = Topic("sim/world", SimWorld, 30, 0.5, (ROBOT,))
+SIM_WORLD = Topic("sim/world", sim.SimWorld, 30, 0.5, (ROBOT,))
 
 TOPICS: tuple[Topic, ...] = (
     SENSOR_FT,
@@ -105,36 +138,35 @@ TOPICS: tuple[Topic, ...] = (
     SIM_WORLD,
 )
 
-WRENCH_TARE = Query(
-    "wrench/tare",
-    "wrench",
-    "`duration` s (default 1)",
-    "`force`[3] N, `torque`[3] Nm: bias in sensor axes; `samples`; `std`[6]",
-)
+WRENCH_TARE = Query("wrench/tare", "wrench", {"": Exchange(r.Tare, r.Tared)})
 WRENCH_IDENTIFY = Query(
     "wrench/identify",
     "wrench",
-    '`action` "start", "add", "solve" or "cancel"',
-    "solve: `mass` kg, `com`[3] m in sensor axes, `force_bias`[3], `torque_bias`[3], `sigma`, `residual_rms`[6], "
-    "`condition`, "
-    "`file` where it was written, empty if nowhere",
+    {
+        "start": Exchange(r.StartIdentification, r.Poses),
+        "add": Exchange(r.AddPose, r.PoseAdded),
+        "solve": Exchange(r.SolveIdentification, r.Solved),
+        "cancel": Exchange(r.CancelIdentification, r.Poses),
+    },
+    word="action",
 )
-TASK_COMMAND = Query("task/command", "task", '`command` "start", "abort", "release" or "reset"', "`state`")
-_PARAMETERS = (
-    "`set` {name: value}, or nothing",
-    "`parameters` {name: {`value`, `unit`, `min`, `max`, `doc`}}",
-)
-WRENCH_PARAMETERS = Query("wrench/parameters", "wrench", *_PARAMETERS)
-CONTROL_PARAMETERS = Query("control/parameters", "controller", *_PARAMETERS)
-BASE_PARAMETERS = Query("base/parameters", "base", *_PARAMETERS)
+TASK_COMMAND = Query("task/command", "task", {"": Exchange(r.TaskCommand, r.TaskAnswer)})
+_PARAMETERS = {"": Exchange(r.ParameterRequest, r.ParameterTable)}
+WRENCH_PARAMETERS = Query("wrench/parameters", "wrench", _PARAMETERS)
+CONTROL_PARAMETERS = Query("control/parameters", "controller", _PARAMETERS)
+BASE_PARAMETERS = Query("base/parameters", "base", _PARAMETERS)
 SIM_COMMAND = Query(
     "sim/command",
     ROBOT,
-    '`command` "reset"; "load" {`mass` kg}; "push" {`force`[3], `torque`[3], `duration` s}; '
-    '"hand" {`script` name or TOML, or `target`[3] m in world}; "cover_marker" {`covered` bool, default true}; '
-    '"fault" {`target`, `kind`, `value`}; '
-    "simulation only",
-    "nothing",
+    {
+        "reset": Exchange(sim.Reset),
+        "load": Exchange(sim.Load),
+        "push": Exchange(sim.Push),
+        "hand": Exchange(sim.Hand),
+        "cover_marker": Exchange(sim.CoverMarker),
+        "fault": Exchange(sim.SensorFault),
+    },
+    word="command",
 )
 
 QUERIES = (

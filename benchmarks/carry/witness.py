@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from services.sim.simulator import Simulator
 from shared import topics
-from shared.faults import Fault
-from shared.parameters import Parameters, Refused
-from shared.service import Inputs, Output, Wiring
-from shared.topics import Query
+from shared.parameters import Parameters
+from shared.service import Inputs, Output, Service, Wiring
 
 PERIOD = 0.01  # [s]
 COLUMNS = {
@@ -34,7 +31,7 @@ COLUMNS = {
 """Of a sample, in this order."""
 
 
-class Witness:
+class Witness(Service[Parameters]):
     """Takes a sample a hundred times a second.
 
     Args:
@@ -49,7 +46,7 @@ class Witness:
     max_delay = 1.0
 
     def __init__(self, simulator: Simulator, thickness: float, warning: str) -> None:
-        self.parameters = Parameters()
+        super().__init__(Parameters())
         self._world = simulator.world
         self._thickness = thickness
         self._warning = warning
@@ -87,21 +84,6 @@ class Witness:
             )
         )
         return []
-
-    def brake(self, fault: Fault, dt: float) -> list[Output]:
-        """Sees nothing."""
-        return []
-
-    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
-        """Answers nothing."""
-        raise Refused(f"{query.key} is not served by the witness")
-
-    def apply(self, parameters: Parameters) -> None:
-        """Has none."""
-
-    def notes(self) -> str:
-        """Nothing to say."""
-        return ""
 
     def seen(self) -> dict[str, np.ndarray]:
         """All samples, by the names of ``COLUMNS``."""

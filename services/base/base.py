@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -14,8 +13,7 @@ from services.base.planar_wrench import Planar, about_base, beyond_dead_band, er
 from shared.faults import SHUTDOWN, Fault
 from shared.loop.halt import Halt
 from shared.messages import BaseStatus, BaseTwistCommand, RobotStatus
-from shared.parameters import Parameters, Refused
-from shared.service import Inputs, Output, Wiring
+from shared.service import Inputs, Output, Service, Wiring
 from shared.topics import (
     BASE_ENABLE,
     BASE_PARAMETERS,
@@ -25,13 +23,12 @@ from shared.topics import (
     STATE_ROBOT,
     STOP,
     WRENCH_EXTERNAL,
-    Query,
 )
 
 TTL = 0.1  # [s] for which the robot may execute a command: three of the longest periods of a wrench
 
 
-class Base:
+class Base(Service[BaseParameters]):
     """Lets the external wrench push the base about while ``base/enable`` says so; otherwise brings it to rest.
 
     The velocity is the one commanded: what the wheels make of it is not fed back. After a brake that is long enough to
@@ -89,19 +86,9 @@ class Base:
         self._unused = 0.0
         return self._outputs(self._resting() if fault.waiting else "braking")
 
-    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
-        """There is none besides the parameters.
-
-        Raises:
-            Refused: always.
-        """
-        raise Refused(f"{query.key} is not served by the base")
-
-    def apply(self, parameters: Parameters) -> None:
+    def apply(self, parameters: BaseParameters) -> None:
         """Take over parameters; the velocity goes on from where it is."""
-        assert isinstance(parameters, BaseParameters)
-        self.parameters: Parameters = parameters
-        self._settings = parameters
+        self.parameters = parameters
         self.max_delay = parameters.max_delay
         self._body = Admittance(
             parameters.mass,
@@ -124,7 +111,7 @@ class Base:
             raise ArithmeticError("the wrench carried over to the base's origin is not finite")
         self._wrench = felt
         ex, ey, ez = error_about_base(wrench.error_bound.tolist(), position)
-        force, torque = self._settings.dead_band_force, self._settings.dead_band_torque
+        force, torque = self.parameters.dead_band_force, self.parameters.dead_band_torque
         return beyond_dead_band(felt, (max(force, ex), max(force, ey), max(torque, ez)))
 
     def _enabled(self, inputs: Inputs) -> bool:
@@ -145,7 +132,7 @@ class Base:
 
     def _limits(self, robot: RobotStatus) -> SpeedLimits:
         """What the parameters and the robot allow together."""
-        own, allowed = self._settings, _allowed_by(robot)
+        own, allowed = self.parameters, _allowed_by(robot)
         differential = robot.base_type == "differential"
         forwards = min(own.max_linear, allowed.forwards)
         return SpeedLimits(

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -16,8 +15,7 @@ from services.controller.parameters import ControllerParameters
 from shared.faults import Fault
 from shared.loop.halt import Halt
 from shared.messages import ControlStatus, ControlTarget, EndEffector, ExternalWrench, TwistCommand
-from shared.parameters import Parameters, Refused
-from shared.service import Inputs, Output, Wiring
+from shared.service import Inputs, Output, Service, Wiring
 from shared.spatial import Array, rotation_matrix
 from shared.topics import (
     COMMAND_EE_TWIST,
@@ -27,7 +25,6 @@ from shared.topics import (
     STATE_EE,
     STOP,
     WRENCH_EXTERNAL,
-    Query,
 )
 
 _SHOWN_FOR = 10.0
@@ -37,7 +34,7 @@ _ABSURD = 1e12
 _ZERO = np.zeros(6)
 
 
-class Controller:
+class Controller(Service[ControllerParameters]):
     """Keeps the wrench within the target's limits and otherwise the tool at the target's pose.
 
     A target stays in force when it falls silent, but not beyond a restart of the robot (a new session of ``state/ee``):
@@ -57,8 +54,7 @@ class Controller:
     )
 
     def __init__(self, parameters: ControllerParameters, timer: Timer = no_timer) -> None:
-        self.parameters: Parameters = parameters
-        self._settings = parameters
+        super().__init__(parameters)
         # A message later than the fastest one by more than the declared delay proves that the delay is exceeded.
         self.max_delay = parameters.delay
         self._timer = timer
@@ -98,19 +94,10 @@ class Controller:
             return self._rest("braking", self._halt.latched, dt)
         return self._rest("waiting" if fault.waiting else "braking", fault.text, dt)
 
-    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
-        """There is none besides the parameters.
-
-        Raises:
-            Refused: always.
-        """
-        raise Refused(f"{query.key} is not served by the controller")
-
-    def apply(self, parameters: Parameters) -> None:
+    def apply(self, parameters: ControllerParameters) -> None:
         """Take over parameters; after a change of the timing it rests until all in flight is counted with it."""
-        assert isinstance(parameters, ControllerParameters)
-        before = self._settings
-        self.parameters = self._settings = parameters
+        before = self.parameters
+        self.parameters = parameters
         self.max_delay = parameters.delay
         self.law = make_law(parameters, self._timer, previous=self.law)
         timing = (parameters.period, parameters.delay, parameters.lag)
@@ -198,7 +185,7 @@ class Controller:
         """The command, then the status, made after the command has left; the law moves if ``state`` is None."""
         # The time to live is what makes T true: the robot drops a command that is older.
         twist = output.twist.tolist()
-        yield Output(COMMAND_EE_TWIST, TwistCommand(twist[:3], twist[3:], ttl=self._settings.period))
+        yield Output(COMMAND_EE_TWIST, TwistCommand(twist[:3], twist[3:], ttl=self.parameters.period))
         status = ControlStatus(
             state=state or ("yielding" if output.yielding else "tracking"),
             reason=reason,

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 from services.mock.commands import Motors
 from services.mock.parameters import MockParameters
 from services.mock.sensors import Sensors
 from shared.faults import Fault
-from shared.parameters import Parameters, Refused
 from shared.robot import tiago
 from shared.robot.gate import GateLimits
 from shared.robot.side import RobotSide
-from shared.service import Inputs, Output, Wiring
-from shared.topics import Query
+from shared.service import Inputs, Output, Service, Wiring
 
 MAX_ACCELERATION, MAX_ANGULAR_ACCELERATION = 2.0, 4.0
 """Of the tool's gate [m/s2, rad/s2]."""
 
 
-class MockRobot:
+class MockRobot(Service[MockParameters]):
     """Moves exactly as its gate lets it.
 
     Attributes:
@@ -29,10 +24,8 @@ class MockRobot:
         sensors: what is told of it; ``sensors.wrench`` (6,) [N, Nm] pushes the tool and may be set at any time.
     """
 
-    max_delay = 0.2
-
     def __init__(self, parameters: MockParameters) -> None:
-        self.parameters: Parameters = parameters
+        super().__init__(parameters)
         self.side = RobotSide(
             GateLimits(
                 parameters.max_linear, parameters.max_angular, MAX_ACCELERATION, MAX_ANGULAR_ACCELERATION
@@ -63,15 +56,3 @@ class MockRobot:
         """Nothing moves while the loop does not work."""
         self.motors.stay()
         return self.side.hold(fault.text)
-
-    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
-        """Refuse: no query is among the wiring's."""
-        raise Refused(f"{query.key}: the mock robot answers no queries")
-
-    def apply(self, parameters: Parameters) -> None:
-        """The parameters hold for the whole run; the contract has no way to change them."""
-        self.parameters = parameters
-
-    def notes(self) -> str:
-        """Nothing to tell."""
-        return ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -21,11 +20,12 @@ from services.sim.sim_commands import Commands
 from shared import topics
 from shared.faults import Fault
 from shared.messages import BaseState, FtSample, GripperState
-from shared.parameters import Parameters
+from shared.requests import Nothing
 from shared.robot import tiago
 from shared.robot.gate import GateLimits
 from shared.robot.side import RobotSide
-from shared.service import Inputs, Output, Wiring
+from shared.schema.records import Record
+from shared.service import Inputs, Output, Reply, Service, Wiring
 from shared.sim_messages import BagState, HandState, PanelState, SimWorld
 from shared.spatial import quaternion
 from shared.topics import Query
@@ -33,20 +33,17 @@ from shared.topics import Query
 _STARTS = {"full": FULL_HOME, "load": HOME, "carry": CARRY_HOME}
 
 
-class Simulator:
+class Simulator(Service[SimParameters]):
     """Steps the world by one tick per call, executes what the gate lets through, and publishes what is due.
 
     A tick simulates the time since the last one. A command that arrived in between acts from the physics step on in
     which it arrived, and its time to live is counted from there: the gate's answers are as sharp as the physics steps.
     """
 
-    max_delay = 0.2
-
     def __init__(
         self, parameters: SimParameters, rendering: Callable[[Scenery], Rendering] = DirectRendering
     ) -> None:
-        self.parameters: Parameters = parameters
-        self._settings = parameters
+        super().__init__(parameters)
         self._ticks = Ticks(parameters.ft_rate, parameters.joint_rate, parameters.physics_rate)
         # Real time per simulated time: the gate's deadlines are promises in real time.
         self._stretch = 1.0 / parameters.real_time_factor
@@ -98,14 +95,10 @@ class Simulator:
         """The world stands still with the process."""
         return self.side.hold(fault.text)
 
-    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
+    def query(self, query: Query, request: Record, reply: Reply) -> None:
         """Answer ``sim/command``."""
         self._commands.carry_out(request)
-        reply({})
-
-    def apply(self, parameters: Parameters) -> None:
-        """The simulation's parameters hold for its whole run; the contract has no way to change them."""
-        self.parameters = parameters
+        reply(Nothing())
 
     def notes(self) -> str:
         """Whether it keeps up, and the faults put on the sensors."""
@@ -131,15 +124,15 @@ class Simulator:
     def _outputs(self, watched: bool) -> list[Output]:
         tick = 1.0 / self._ticks.rate
         due = self._ticks.due
-        ft = [Output(topics.SENSOR_FT, self._ft_sample())] if due(self._settings.ft_rate) else []
+        ft = [Output(topics.SENSOR_FT, self._ft_sample())] if due(self.parameters.ft_rate) else []
         outputs = self._lines["ft"].send(ft, tick)
         joints = []
-        if due(self._settings.joint_rate):
+        if due(self.parameters.joint_rate):
             joint_state, tool = self._joints.measure()
             joints = [Output(topics.STATE_EE, tool), Output(topics.STATE_JOINTS, joint_state)]
         outputs += self._lines["joints"].send(joints, tick)
         if self._camera is not None:
-            exposed = watched and due(self._settings.camera_rate)
+            exposed = watched and due(self.parameters.camera_rate)
             outputs += self._camera.shots(exposed, self.world.time, tick, self._stretch)
         # Sensors keep their rates in simulated time, what is told of the rest its rate in real time.
         if due(topics.STATE_BASE.rate * self._stretch):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 from services.task.faults import TaskFault
 from services.task.geometry import Pose
@@ -21,8 +20,10 @@ from services.task.vision.marker_tracker import MarkerTracker
 from shared.clock import seconds
 from shared.faults import Fault, FaultKind
 from shared.messages import Enable, MarkerPose, TaskStatus
-from shared.parameters import Parameters, Refused
-from shared.service import Inputs, Output, Reading, Wiring
+from shared.parameters import Refused
+from shared.requests import TaskAnswer, TaskCommand
+from shared.schema.records import Record
+from shared.service import Inputs, Output, Reading, Reply, Service, Wiring
 from shared.topics import (
     BASE_ENABLE,
     CONTROL_STATUS,
@@ -45,7 +46,7 @@ _WATCHING = (State.CALIBRATING, *_LOOKING)
 """States in which the camera is subscribed to: it takes a moment until its first image is there."""
 
 
-class Task:
+class Task(Service[TaskParameters]):
     """Runs the state machine on the newest messages.
 
     Args:
@@ -57,8 +58,7 @@ class Task:
     def __init__(
         self, parameters: TaskParameters, now: Callable[[], float] = lambda: 0.0, folder: Path | None = None
     ) -> None:
-        self.parameters: Parameters = parameters
-        self._settings = parameters
+        super().__init__(parameters)
         self.max_delay = parameters.max_delay
         self.wiring = Wiring(
             name="task",
@@ -112,15 +112,16 @@ class Task:
             self.machine.reason = fault.text
         yield from self._outputs(decision, dt)
 
-    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
+    def query(self, query: Query, request: Record, reply: Reply) -> None:
         """Answer ``task/command``.
 
         Raises:
             Refused: with the reason and what to do instead.
         """
-        reply({"state": self.machine.command(request.get("command")).value})
+        assert isinstance(request, TaskCommand)
+        reply(TaskAnswer(self.machine.command(request.command).value))
 
-    def apply(self, parameters: Parameters) -> None:
+    def apply(self, parameters: TaskParameters) -> None:
         """The parameters hold for the whole run.
 
         Raises:
@@ -143,7 +144,7 @@ class Task:
             # What was held a moment ago is not given up for the word of a single sample.
             self.machine.reason = "waiting whether the gripper still holds the panel"
             return False
-        recalled = judge(entry, self._journal.problem, seen, self._settings, self._now(), self._boot)
+        recalled = judge(entry, self._journal.problem, seen, self.parameters, self._now(), self._boot)
         self.machine.resume(recalled, seen)
         if recalled.entry is not None:
             self._outbox.target = recalled.entry.target

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+
+import numpy as np
 
 from services.wrench.averaging import Average, AveragingWindow, NotStill
 from services.wrench.compensation import Compensation
 from services.wrench.identification import IdentifiedPayload, NotExciting, identify
 from shared.parameters import Refused
+from shared.requests import AddPose, PoseAdded, Solved, Tare, Tared
+from shared.schema.records import Record
+from shared.service import Reply
 from shared.spatial import Array
 
-SHORTEST, LONGEST = 0.1, 30.0  # [s] that one measurement takes
 MOST_POSES = 100  # of one identification
-
-Reply = Callable[[dict[str, Any]], None]
 
 
 class Measurements:
@@ -31,22 +32,20 @@ class Measurements:
         self._reply: Reply | None = None
         self._poses: list[Average] | None = None
 
-    def begin(self, taring: bool, duration: Any, noise_bound: Array, reply: Reply) -> None:
+    def begin(self, request: Tare | AddPose, noise_bound: Array, reply: Reply) -> None:
         """Start a tare, or a pose of the identification; ``reply`` is called in a later step.
 
         Raises:
-            Refused: if one is running, no identification was started, or ``duration`` [s] is out of range.
+            Refused: if one is running, or no identification was started.
         """
-        number = isinstance(duration, (int, float)) and not isinstance(duration, bool)
-        if not number or not SHORTEST <= duration <= LONGEST:
-            raise Refused(f"duration is {duration!r}, wanted {SHORTEST} to {LONGEST} s")
+        taring = isinstance(request, Tare)
         if self._window is not None:
             raise Refused("a measurement is running: ask again when it has been answered")
         if not taring and self._poses is None:
             raise Refused('no identification was started: ask {"action": "start"} first')
         if not taring and self._poses is not None and len(self._poses) >= MOST_POSES:
             raise Refused(f"{MOST_POSES} poses were added already: solve, or start anew")
-        self._window = AveragingWindow(float(duration), noise_bound)
+        self._window = AveragingWindow(request.duration, noise_bound)
         self._taring, self._reply = taring, reply
 
     def add(self, raw: Array, rotation: Array, dt: float, compensation: Compensation) -> None:
@@ -68,23 +67,16 @@ class Measurements:
         if self._taring:
             tared = compensation.tared(average.mean, average.mean_error, average.noise, average.rotation)
             self._adopt(tared)
-            self._finish(
-                {
-                    "force": tared.bias[:3].tolist(),
-                    "torque": tared.bias[3:].tolist(),
-                    "samples": average.samples,
-                    "std": average.std.tolist(),
-                }
-            )
+            self._finish(Tared(tared.bias[:3], tared.bias[3:], average.samples, average.std))
             return
         assert self._poses is not None
         self._poses.append(average)
-        self._finish({"poses": len(self._poses), "samples": average.samples, "std": average.std.tolist()})
+        self._finish(PoseAdded(len(self._poses), average.samples, average.std))
 
     def abort(self, reason: str) -> None:
         """Refuse the running measurement, if there is one; poses that were added stay."""
         if self._window is not None:
-            self._finish({"ok": False, "error": reason})
+            self._finish(Refused(reason))
 
     def restart(self, start: bool) -> None:
         """Forget all poses, and begin an identification if ``start``."""
@@ -109,26 +101,23 @@ class Measurements:
         self._poses = None
         return result
 
-    def _finish(self, answer: dict[str, Any]) -> None:
+    def _finish(self, answer: Record | Refused) -> None:
         reply, self._reply, self._window, self._taring = self._reply, None, None, False
         assert reply is not None
         reply(answer)
 
 
-def described(result: IdentifiedPayload) -> dict[str, Any]:
-    """An identified payload as the query answers it; ``sigma`` (10,): mass, com, force bias, torque bias in a row."""
-    return {
-        "mass": result.mass,
-        "com": result.com.tolist(),
-        "force_bias": result.force_bias.tolist(),
-        "torque_bias": result.torque_bias.tolist(),
-        "sigma": [
-            result.sigma_mass,
-            *result.sigma_com.tolist(),
-            *result.sigma_force_bias.tolist(),
-            *result.sigma_torque_bias.tolist(),
-        ],
-        "residual_rms": result.residual_rms.tolist(),
-        "condition": result.condition,
-        "poses": result.poses,
-    }
+def described(result: IdentifiedPayload, file: str) -> Solved:
+    """An identified payload as the query answers it, with the file that it was written to."""
+    sigma = (result.sigma_mass, result.sigma_com, result.sigma_force_bias, result.sigma_torque_bias)
+    return Solved(
+        result.mass,
+        result.com,
+        result.force_bias,
+        result.torque_bias,
+        np.hstack(sigma),
+        result.residual_rms,
+        result.condition,
+        result.poses,
+        file,
+    )

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,8 +16,10 @@ from services.wrench.sensor_watch import INVALID, SILENT, SensorWatch
 from services.wrench.storage import Journal, load_payload, save_payload
 from shared.faults import Fault, FaultKind
 from shared.messages import ExternalWrench
-from shared.parameters import Parameters, Refused
-from shared.service import Inputs, Output, Wiring
+from shared.parameters import Refused
+from shared.requests import AddPose, Poses, SolveIdentification, StartIdentification, Tare
+from shared.schema.records import Record
+from shared.service import Inputs, Output, Reply, Service, Wiring
 from shared.spatial import Array, rotation_matrix
 from shared.topics import (
     SENSOR_FT,
@@ -31,7 +31,7 @@ from shared.topics import (
 )
 
 
-class Wrench:
+class Wrench(Service[WrenchParameters]):
     """Compensates, transports and judges each sample of the force-torque sensor.
 
     Args:
@@ -53,7 +53,7 @@ class Wrench:
     )
 
     def __init__(self, parameters: WrenchParameters, folder: Path | None = None) -> None:
-        self.parameters: Parameters = parameters
+        super().__init__(parameters)
         self._configured(parameters, reload=True)
         self._folder = folder
         self._journal = Journal(folder / "wrench.json" if folder else None)
@@ -70,7 +70,7 @@ class Wrench:
         sample = reading.message
         if reading.header.session != self._session:
             self._follow(reading.header.session)
-        settings = self._settings
+        settings = self.parameters
         raw = np.concatenate((sample.force, sample.torque))
         rotation = rotation_matrix(sample.orientation)
         fault = self._watch.update(raw, sample.saturated, dt, settings.stuck_after)
@@ -104,33 +104,27 @@ class Wrench:
         word = SILENT if fault.kind is FaultKind.SILENT else INVALID
         return [Output(WRENCH_EXTERNAL, self._last.replaced(fault=word), valid=False)]
 
-    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
+    def query(self, query: Query, request: Record, reply: Reply) -> None:
         """Answer a tare or a step of an identification; what needs an average is answered in a later step."""
-        action = request.get("action")
-        if query == WRENCH_IDENTIFY and action == "solve":
+        if isinstance(request, SolveIdentification):
             result = self._measurements.solve()
             self._adopt(result.compensation())
-            reply({**described(result), "file": self._saved(result)})
-        elif query == WRENCH_IDENTIFY and action in ("start", "cancel"):
-            self._measurements.restart(action == "start")
-            reply({"poses": 0})
-        elif query == WRENCH_IDENTIFY and action != "add":
-            raise Refused(f"action is {action!r}, wanted start, add, solve or cancel")
-        else:
+            reply(described(result, self._saved(result)))
+        elif isinstance(request, (Tare, AddPose)):
             if self._trouble:
                 raise Refused(self._trouble)
-            self._measurements.begin(
-                query == WRENCH_TARE, request.get("duration", 1.0), self._noise_bound, reply
-            )
+            self._measurements.begin(request, self._noise_bound, reply)
+        else:
+            self._measurements.restart(start=isinstance(request, StartIdentification))
+            reply(Poses(0))
 
-    def apply(self, parameters: Parameters) -> None:
+    def apply(self, parameters: WrenchParameters) -> None:
         """Take over parameters; another payload file is read at once.
 
         Raises:
             Refused: if that file cannot be used; nothing is changed then.
         """
-        assert isinstance(parameters, WrenchParameters)
-        another = parameters.payload != self._settings.payload
+        another = parameters.payload != self.parameters.payload
         self._configured(parameters, reload=another)
         self.parameters = parameters
         if another:
@@ -144,29 +138,28 @@ class Wrench:
         if reload:
             path = parameters.payload
             self.compensation = load_payload(Path(path)).compensation() if path else Compensation()
-        self._settings = parameters
         self._noise_bound: Array = np.array(parameters.noise_bound)
         self._bias_bound: Array = np.array(parameters.bias_bound)
         self.max_delay = parameters.max_delay
 
     def _follow(self, session: int) -> None:
         """Another run of the robot process: what the journal has for it is taken up, else what is in force is kept."""
-        recalled = self._journal.recall(session, self._settings.payload) if self._session is None else None
+        recalled = self._journal.recall(session, self.parameters.payload) if self._session is None else None
         self._session = session
         if recalled is not None:
             self.compensation = recalled
         elif self.compensation.kind != "none":
-            self._journal.record(session, self._settings.payload, self.compensation)
+            self._journal.record(session, self.parameters.payload, self.compensation)
 
     def _adopt(self, compensation: Compensation) -> None:
         self.compensation = compensation
         self._lowpass.reset()
         if self._session is not None:
-            self._journal.record(self._session, self._settings.payload, compensation)
+            self._journal.record(self._session, self.parameters.payload, compensation)
 
     def _saved(self, result: IdentifiedPayload) -> str:
         """Where the result was written, empty if it could not be: it is in force all the same."""
-        path = self._settings.payload or (self._folder and self._folder / "payload.toml")
+        path = self.parameters.payload or (self._folder and self._folder / "payload.toml")
         if not path:
             return ""
         try:

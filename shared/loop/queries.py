@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import queue
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from shared.parameters import Refused
+from shared.requests import ParameterRequest, ParameterTable
+from shared.schema.fields import InvalidField
+from shared.schema.records import Record
 from shared.topics import Query
 from shared.wire.bus import OnRequest, Reply
 from shared.wire.codec import Rejected, decode_map, encode_map
@@ -52,13 +55,17 @@ class QueryDesk:
         if self._waiting.empty():
             return
         query, payload, reply = self._waiting.get_nowait()
+
+        def answer(found: Record | Refused) -> None:
+            reply(_refused(str(found)) if isinstance(found, Refused) else _granted(found))
+
         try:
-            request = decode_map(payload) if payload else {}
+            request = query.request(decode_map(payload) if payload else {})
             if query == self._service.wiring.parameters:
-                reply(_granted(self._set_parameters(request)))
+                answer(self._set_parameters(request))
             else:
-                self._service.query(query, request, lambda answer: reply(_granted(answer)))
-        except (Refused, Rejected) as problem:
+                self._service.query(query, request, answer)
+        except (Refused, Rejected, InvalidField) as problem:
             reply(_refused(str(problem)))
         except _MALFORMED as problem:
             reply(
@@ -69,17 +76,15 @@ class QueryDesk:
         if not self._waiting.empty():
             self._wake()
 
-    def _set_parameters(self, request: dict[str, Any]) -> dict[str, Any]:
-        wanted = request.get("set")
-        if wanted is not None:
-            if not isinstance(wanted, dict):
-                raise Refused(f"set is {type(wanted).__name__}, wanted a map of names and values")
-            self._service.apply(self._service.parameters.changed(wanted))
-        return {"parameters": self._service.parameters.table()}
+    def _set_parameters(self, request: Record) -> ParameterTable:
+        assert isinstance(request, ParameterRequest)
+        if request.set is not None:
+            self._service.apply(self._service.parameters.changed(request.set))
+        return ParameterTable(self._service.parameters.table())
 
 
-def _granted(answer: dict[str, Any]) -> bytes:
-    return encode_map({"ok": True, **answer})
+def _granted(answer: Record) -> bytes:
+    return encode_map({"ok": True, **answer.to_plain()})
 
 
 def _refused(reason: str) -> bytes:

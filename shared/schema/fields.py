@@ -49,6 +49,16 @@ def _bounded(
     return Annotated[number, Meta(**bounds)] if bounds else number
 
 
+def _range(above: float, minimum: float, maximum: float, unit: str, more: str = "more than") -> str:
+    """Bounds in words."""
+    lower = (
+        f"{more} {above:g}" if above > -math.inf else f"at least {minimum:g}" if minimum > -math.inf else ""
+    )
+    upper = f"at most {maximum:g}" if maximum < math.inf else ""
+    both = f"{minimum:g} to {maximum:g}" if upper and lower.startswith("at least") else ""
+    return (both or ", ".join(part for part in (lower, upper) if part)) + (unit and f" {unit}")
+
+
 @dataclass(frozen=True)
 class Kind:
     """What a field holds.
@@ -90,14 +100,10 @@ class Number(Kind):
             return value
         number = _finite(value, name)
         if number <= self.above or not self.minimum <= number <= self.maximum:
-            raise InvalidField(f"{name} is {number:g}, wanted {self._range()}{self.unit and ' ' + self.unit}")
+            raise InvalidField(
+                f"{name} is {number:g}, wanted {_range(self.above, self.minimum, self.maximum, self.unit)}"
+            )
         return number
-
-    def _range(self) -> str:
-        lower = f"more than {self.above:g}" if self.above > -math.inf else f"at least {self.minimum:g}"
-        if self.maximum == math.inf:
-            return lower
-        return f"{lower}, at most {self.maximum:g}"
 
 
 @dataclass(frozen=True)
@@ -107,10 +113,11 @@ class Vector(Kind):
     size: int | None = 3
     above: float = -math.inf
     minimum: float = -math.inf
+    maximum: float = math.inf
 
     @property
     def wire(self) -> Any:
-        element = _bounded(float, self.above, self.minimum)
+        element = _bounded(float, self.above, self.minimum, self.maximum)
         # Written so because the number of elements is known at run time only.
         return (
             list.__class_getitem__(element)
@@ -121,7 +128,7 @@ class Vector(Kind):
     @property
     def any_finite(self) -> bool:
         """Whether finite numbers of the right count are all that is asked."""
-        return self.above == -math.inf and self.minimum == -math.inf
+        return self.above == self.minimum == -math.inf and self.maximum == math.inf
 
     def check(self, value: Any, name: str) -> np.ndarray:
         return read_only(self.canonical(self._numbers(value, name), name))
@@ -147,12 +154,10 @@ class Vector(Kind):
         Raises:
             InvalidField: if they are out of bounds.
         """
-        least = min(numbers, default=math.inf)
-        if least <= self.above or least < self.minimum:
-            bound = f"above {self.above:g}" if self.above > -math.inf else f"at least {self.minimum:g}"
-            raise InvalidField(
-                f"{name} is {shown(numbers)}, wanted every element {bound}{self.unit and ' ' + self.unit}"
-            )
+        least, greatest = min(numbers, default=math.inf), max(numbers, default=-math.inf)
+        if least <= self.above or least < self.minimum or greatest > self.maximum:
+            allowed = _range(self.above, self.minimum, self.maximum, self.unit, more="above")
+            raise InvalidField(f"{name} is {shown(numbers)}, wanted every element {allowed}")
         return numbers
 
 
@@ -263,6 +268,14 @@ class Bytes(Kind):
         if not isinstance(value, (bytes, bytearray)):
             raise InvalidField(f"{name} is {type(value).__name__}, wanted bytes")
         return bytes(value)
+
+
+@dataclass(frozen=True)
+class Anything(Kind):
+    """Whatever MessagePack can carry."""
+
+    def check(self, value: Any, name: str) -> Any:
+        return value
 
 
 def decided(kind: Kind) -> bool:

@@ -7,7 +7,7 @@ same check, and what has passed it is immutable, finite and of the declared shap
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, dataclass
+from dataclasses import MISSING, dataclass, field
 from math import isfinite
 from struct import Struct
 from typing import Any, ClassVar, NamedTuple, Self, dataclass_transform
@@ -16,7 +16,7 @@ import msgspec
 from msgspec.structs import force_setattr
 from numpy import dtype, float64, frombuffer, ndarray
 
-from shared.schema.fields import FLOAT_ONLY, InvalidField, Kind, Number, Vector, decided, shown
+from shared.schema.fields import FLOAT_ONLY, Anything, InvalidField, Kind, Number, Vector, decided, shown
 
 _SEQUENCES = (list, tuple)
 _FLOAT = dtype(float64)
@@ -222,3 +222,23 @@ class MapOf(Kind):
             raise InvalidField(f"{name} is {shown(value)}, wanted a map with text keys")
         one = RecordOf(record=self.record)
         return {key: one.check(item, f"{name}[{shown(key)}]") for key, item in value.items()}
+
+
+@dataclass(frozen=True)
+class AnyMap(Kind):
+    """A map from text to anything."""
+
+    def check(self, value: Any, name: str) -> dict[str, Any]:
+        if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
+            raise InvalidField(f"{name} is {shown(value)}, wanted a map of names and values")
+        return value
+
+
+@dataclass(frozen=True)
+class Nullable(Kind):
+    """Null, or of another kind."""
+
+    kind: Kind = field(default_factory=Anything)
+
+    def check(self, value: Any, name: str) -> Any:
+        return None if value is None else self.kind.check(value, name)

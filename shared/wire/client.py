@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from shared.clock import Clock, SteadyClock
 from shared.parameters import Refused
+from shared.schema.fields import InvalidField
 from shared.schema.records import Record
 from shared.topics import Query, Topic
 from shared.wire.bus import Bus
@@ -35,16 +36,21 @@ class Client:
     def ask(
         self, query: Query, request: dict[str, Any] | None = None, timeout: float = 3.0
     ) -> dict[str, Any]:
-        """Ask a query and return the reply.
+        """Ask a query and return the reply, of which every field is there and of its kind.
 
         Raises:
             NoReply: nobody answered within ``timeout`` [s].
             Refused: the answer was a refusal; the text is the reason.
         """
+        asked = request or {}
         try:
-            answer = decode_map(self.bus.query(query.key, encode_map(request or {}), timeout))
+            answer = decode_map(self.bus.query(query.key, encode_map(asked), timeout))
         except Rejected as problem:
             raise Refused(f"{query.key} answered with something that is no map: {problem}") from None
         if answer.get("ok") is not True:
             raise Refused(str(answer.get("error", f"{query.key} refused without a reason")))
+        try:
+            query.reply(asked, answer)
+        except InvalidField as problem:
+            raise Refused(f"{query.key} answered with something else: {problem}") from None
         return answer

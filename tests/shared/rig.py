@@ -11,8 +11,9 @@ from shared.clock import nanoseconds
 from shared.faults import Fault, FaultKind
 from shared.messages import ControlTarget, EndEffector, ExternalWrench, FtSample, Header, TwistCommand
 from shared.parameters import Parameters, Refused, parameter
+from shared.requests import Tared
 from shared.schema.records import Record
-from shared.service import Inputs, Output, Wiring
+from shared.service import Inputs, Output, Reply, Service, Wiring
 from shared.topics import (
     COMMAND_EE_TWIST,
     CONTROL_PARAMETERS,
@@ -88,7 +89,7 @@ class RecorderParameters(Parameters):
     )
 
 
-class Recorder:
+class Recorder(Service[RecorderParameters]):
     """A service that notes every call; ``on_step`` may raise or take its (simulated) time."""
 
     def __init__(self, **wiring: Any) -> None:
@@ -101,14 +102,15 @@ class Recorder:
             "parameters": CONTROL_PARAMETERS,
         }
         self.wiring = Wiring(**{**defaults, **wiring})
-        self.parameters = RecorderParameters()
+        super().__init__(RecorderParameters())
         self.max_delay = 0.02
         self.steps: list[tuple[Inputs, float]] = []
         self.brakes: list[tuple[Fault, float]] = []
         self.calls: list[str] = []
         self.note = ""
         self.on_step: Callable[[Inputs], None] = lambda inputs: None
-        self.on_query: Callable[[dict[str, Any]], dict[str, Any]] = lambda request: {"echo": request}
+        self.refuses = ""
+        self.on_query: Callable[[Record], Record] = lambda request: Tared(ZERO, ZERO, 7, (0.0,) * 6)
 
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
         self.steps.append((inputs, dt))
@@ -121,14 +123,10 @@ class Recorder:
         self.calls.append(f"brake {fault.kind.value}")
         return [Output(COMMAND_EE_TWIST, TwistCommand(ZERO, ZERO, 0.02))]
 
-    def query(self, query: Query, request: dict[str, Any], reply: Callable[[dict[str, Any]], None]) -> None:
-        if request.get("refuse"):
-            raise Refused("not now")
+    def query(self, query: Query, request: Record, reply: Reply) -> None:
+        if self.refuses:
+            raise Refused(self.refuses)
         reply(self.on_query(request))
-
-    def apply(self, parameters: Parameters) -> None:
-        assert isinstance(parameters, RecorderParameters)
-        self.parameters = parameters
 
     def notes(self) -> str:
         return self.note

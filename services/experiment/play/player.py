@@ -14,12 +14,11 @@ from services.experiment.play.observation import INPUTS, Observation
 from services.experiment.play.recording import Recorder, Recording
 from shared import topics
 from shared.clock import Clock, seconds
-from shared.faults import Fault
 from shared.messages import ControlTarget
-from shared.parameters import Parameters, Refused
+from shared.parameters import Parameters
 from shared.processes import FURTHER, STACK
-from shared.service import Inputs, Output, Wiring
-from shared.topics import Query, Topic, health_topic
+from shared.service import Inputs, Output, Service, Wiring
+from shared.topics import Topic, health_topic
 from shared.wire.bus import Bus, OnPayload
 
 PERIOD = 0.1  # [s] of a step, and between two `control/target`
@@ -30,7 +29,7 @@ RECORDED: tuple[Topic, ...] = (
 )
 
 
-class Player:
+class Player(Service[Parameters]):
     """Plays one run. Its `step` is called every `PERIOD`; `finished` tells when to stop.
 
     Args:
@@ -42,6 +41,8 @@ class Player:
         ask: sends a request without waiting; the answer (a map with `ok`) may be handed over from any thread.
     """
 
+    max_delay = 1.0
+
     def __init__(
         self,
         course: Course,
@@ -52,8 +53,7 @@ class Player:
         ask: Callable[[Ask, Answered], None],
     ) -> None:
         self.wiring = Wiring("experiment", driver=PERIOD, optional=INPUTS)
-        self.parameters = Parameters()
-        self.max_delay = 1.0
+        super().__init__(Parameters())
         self.course = course
         self._target = target
         self._meta = meta
@@ -72,21 +72,6 @@ class Player:
         for ask in self.course.step(self.now(), Observation.of(inputs)):
             self._ask(ask, self.course.answered)
         return [] if self._target is None else [Output(topics.CONTROL_TARGET, self._target)]
-
-    def brake(self, fault: Fault, dt: float) -> list[Output]:
-        """Publishes nothing: the last target stays in force, and the controller does the braking."""
-        return []
-
-    def query(self, query: Query, request: dict[str, Any], reply: Answered) -> None:
-        """Answers no queries."""
-        raise Refused(f"{query.key} is not served by the experiment")
-
-    def apply(self, parameters: Parameters) -> None:
-        """Has no parameters."""
-
-    def notes(self) -> str:
-        """Nothing to say beyond the progress."""
-        return ""
 
     def now(self) -> float:
         """The recording's clock [s]."""

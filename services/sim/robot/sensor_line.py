@@ -14,7 +14,6 @@ from shared.spatial import Array
 
 T = TypeVar("T")
 
-KINDS = ("off", "stuck", "garbage", "bias", "delay", "ok")
 GARBAGE = bytes(range(256))
 """A payload that is no MessagePack map."""
 
@@ -36,7 +35,7 @@ class SensorLine:
         """Put a fault on the line, or take it off with ``ok``.
 
         Args:
-            kind: one of ``KINDS``.
+            kind: one of ``FAULTS`` in ``shared.sim_messages``.
             value: ``bias``: added to every axis, or one number per axis; ``delay``: one number [s]; else unused.
         """
         self.kind = kind

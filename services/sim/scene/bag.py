@@ -27,8 +27,8 @@ FLOOR_GRIP = 20.0
 """Deceleration per speed [1/s] of a bag that is dragged along the floor."""
 HANDOVER = 0.5
 """Time [s] over which the person who hangs the bag, or takes it off, lets go of or takes over its weight."""
-LIGHTEST, HEAVIEST = 0.05, 20.0
-"""Range [kg] of a bag's mass."""
+LIGHTEST = 0.05
+"""Mass [kg] of the lightest bag; of the heaviest see `shared.sim_messages`."""
 
 Vector = tuple[float, float, float]
 

@@ -88,7 +88,7 @@ def test_tare_is_refused_before_the_first_sample() -> None:
 def test_tare_of_a_bad_duration_is_refused(duration: object) -> None:
     rig = Rig()
     rig.run(0.1)
-    with pytest.raises(Refused, match=r"duration is .* wanted 0\.1 to 30"):
+    with pytest.raises(Refused, match=r"duration is .* wanted (0\.1 to 30 s|a number)"):
         rig.ask(WRENCH_TARE, duration=duration)
 
 
@@ -132,9 +132,9 @@ def test_tare_is_refused_when_the_sensor_falls_silent() -> None:
     [
         ({"action": "add"}, "no identification was started"),
         ({"action": "solve"}, "no identification was started"),
-        ({"action": "dance"}, "wanted start, add, solve or cancel"),
-        ({}, "wanted start, add, solve or cancel"),
-        ({"action": ["start"]}, "wanted start, add, solve or cancel"),
+        ({"action": "dance"}, "wanted (one of start, add, solve, cancel|text)"),
+        ({}, "wanted (one of start, add, solve, cancel|text)"),
+        ({"action": ["start"]}, "wanted (one of start, add, solve, cancel|text)"),
     ],
 )
 def test_identification_refuses_what_makes_no_sense(request_: dict, reason: str) -> None:

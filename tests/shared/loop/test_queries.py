@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 
 from shared.messages import Health, JointState
 from shared.parameters import Refused
+from shared.requests import Nothing, Tare, Tared
+from shared.schema.records import Record
 from shared.topics import (
     CONTROL_PARAMETERS,
     CONTROL_TARGET,
@@ -25,7 +27,7 @@ from shared.topics import (
 )
 from shared.wire.bus import NoReply
 from shared.wire.codec import encode_map
-from tests.shared.rig import target, tool, wrench
+from tests.shared.rig import ZERO, target, tool, wrench
 from tests.shared.runner_rig import Rig
 from tests.shared.strategies import any_plain
 
@@ -36,12 +38,33 @@ for _ in range(1015):
 
 def test_a_query_is_answered_by_the_service() -> None:
     rig = Rig()
-    assert rig.stack.client.ask(WRENCH_TARE, {"duration": 1.0}) == {"ok": True, "echo": {"duration": 1.0}}
+    asked: list[Record] = []
+    rig.service.on_query = lambda request: asked.append(request) or Tared(ZERO, ZERO, 5, (0.0,) * 6)
+    assert rig.stack.client.ask(WRENCH_TARE, {"duration": 2.0})["samples"] == 5
+    rig.stack.client.ask(WRENCH_TARE)
+    assert [type(request) for request in asked] == [Tare, Tare]
+    assert [request.to_plain() for request in asked] == [{"duration": 2.0}, {"duration": 1.0}]
+
+
+@pytest.mark.parametrize("request_", [{"duration": 0}, {"duration": "long"}, {"duration": [1]}])
+def test_a_request_that_is_not_as_declared_never_reaches_the_service(request_: dict[str, Any]) -> None:
+    rig = Rig()
+    with pytest.raises(Refused, match=r"duration .* wanted"):
+        rig.stack.client.ask(WRENCH_TARE, request_)
+
+
+def test_a_reply_that_is_not_as_declared_is_not_handed_on() -> None:
+    rig = Rig()
+    rig.service.on_query = lambda request: Nothing()
+    with pytest.raises(Refused, match="wrench/tare answered with something else: force is missing"):
+        rig.stack.client.ask(WRENCH_TARE)
 
 
 def test_a_refusal_says_why() -> None:
+    rig = Rig()
+    rig.service.refuses = "not now"
     with pytest.raises(Refused, match=r"^not now$"):
-        Rig().stack.client.ask(WRENCH_TARE, {"refuse": True})
+        rig.stack.client.ask(WRENCH_TARE)
 
 
 def test_nobody_answers_what_nobody_serves() -> None:
@@ -81,7 +104,7 @@ def test_a_malformed_request_is_refused_and_ends_nothing(request_bytes: bytes) -
 def test_a_request_that_trips_the_service_is_refused_and_ends_nothing(problem: Exception) -> None:
     rig = Rig()
 
-    def trip(_request: dict[str, Any]) -> dict[str, Any]:
+    def trip(_request: Record) -> Record:
         raise problem
 
     rig.service.on_query = trip

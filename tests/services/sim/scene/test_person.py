@@ -278,7 +278,7 @@ def test_nonsense_is_refused() -> None:
         ({}, "either script"),
         ({"script": "carry", "target": [0, 0, 0]}, "either script"),
         ({"script": 3}, "script is 3"),
-        ({"target": [0, 0]}, "3 numbers"),
+        ({"target": [0, 0]}, "target has 2 elements, wanted 3"),
         ({"script": "dance"}, "neither 'carry' nor TOML"),
     ):
         with pytest.raises(Refused, match=says):
