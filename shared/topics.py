@@ -13,13 +13,14 @@ from shared import sim_messages as sim
 from shared.requests import Nothing
 from shared.schema.fields import InvalidField, Text
 from shared.schema.records import Record
-from shared.wire.codec import MAP_CAP
 
 M = TypeVar("M", bound=Record)
 
 ROBOT = "robot"
 """Publisher name of whatever process stands for the robot: the simulation or a hardware bridge."""
 ANYBODY = "*"
+MAP_CAP = 64 * 1024
+"""Largest payload [bytes] of a query, and of every message that is not an image."""
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,11 @@ from shared import faults
 from shared.clock import Clock, nanoseconds, seconds
 from shared.faults import Fault
 from shared.loop.arming import REARM_AFTER, Arming
+from shared.loop.health import health
 from shared.loop.queries import QueryDesk
-from shared.loop.timing import HealthReporter, LoopTiming
+from shared.loop.timing import LoopTiming
 from shared.service import Inputs, Output, Reading, Service
-from shared.topics import Topic
+from shared.topics import HEALTH_RATE, Topic, health_topic
 from shared.wire.bus import Bus, Leave, Work
 from shared.wire.publisher import Publisher
 from shared.wire.subscription import Inlet, Received
@@ -26,6 +27,7 @@ LONGEST_DT = 0.1
 _NEVER = 2**62
 _REARM_AFTER_NS = nanoseconds(REARM_AFTER)
 _BRAKE_PERIOD_NS = nanoseconds(BRAKE_PERIOD)
+_HEALTH_PERIOD_NS = nanoseconds(1.0 / HEALTH_RATE)
 
 
 class Runner:
@@ -70,7 +72,8 @@ class Runner:
         self._reported = ""
         self.fault: Fault | None = None
         self.timing = LoopTiming(clock)
-        self._health = HealthReporter(self)
+        self._health_topic = health_topic(wiring.name)
+        self._health_due = 0
         self._desk = QueryDesk(self.service, wake)
         for topic in dict.fromkeys((*wiring.required, *wiring.optional)):
             inlet = self.inlets[topic.key] = Inlet(topic, clock)
@@ -85,7 +88,7 @@ class Runner:
     def next_deadline(self) -> int:
         """When ``poll`` is due at the latest [ns], if nothing wakes it before."""
         work = self._next_tick if self._driver is None else self._next_brake
-        return min(work, self._health.due)
+        return min(work, self._health_due)
 
     def poll(self, behind: bool = False) -> None:
         """Do what is due: a step or a brake first, then queries, subscriptions and health.
@@ -108,8 +111,8 @@ class Runner:
                 self._watch(now)
         self._desk.serve()
         self._follow_demand()
-        if now >= self._health.due:
-            self._health.send(self._clock.now_ns())
+        if now >= self._health_due:
+            self._tell_health(self._clock.now_ns())
 
     def _follow_demand(self) -> None:
         """Subscribe to the occasional inputs that are of use, leave those that are not."""
@@ -235,6 +238,11 @@ class Runner:
         if kind != self._reported:
             self._reported = kind
             self._report(f"{self.service.wiring.name}: {'working' if fault is None else fault.text}")
+
+    def _tell_health(self, now: int) -> None:
+        self._health_due = now + _HEALTH_PERIOD_NS
+        message = health(now, self.service, self.fault, self.timing, self.inlets)
+        self.publish(self._health_topic, message, valid=self.fault is None)
 
     def close(self) -> None:
         """Brake once more, so that the robot need not wait for silence."""

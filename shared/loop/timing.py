@@ -1,19 +1,12 @@
-"""Accounting for the time of a service loop, and the health message made of it."""
+"""Accounting for the time of a service loop."""
 
 from __future__ import annotations
 
-import math
 from collections import deque
-from typing import TYPE_CHECKING
 
 from shared import faults
-from shared.clock import Clock, nanoseconds, seconds
-from shared.faults import Fault, FaultKind
-from shared.messages import Health, InputHealth
-from shared.topics import HEALTH_RATE, health_topic
-
-if TYPE_CHECKING:
-    from shared.loop.runner import Runner
+from shared.clock import Clock
+from shared.faults import Fault
 
 _WINDOW_NS = 1_000_000_000
 _FEWEST_STEPS = 20
@@ -57,42 +50,3 @@ class LoopTiming:
         latencies = sorted(latency for _, latency, _ in self._steps)
         count = len(latencies)
         return float(count), latencies[count // 2] * 1e-3, latencies[min(count - 1, count * 99 // 100)] * 1e-3
-
-
-class HealthReporter:
-    """Publishes a runner's health at 2 Hz."""
-
-    def __init__(self, runner: Runner) -> None:
-        self._runner = runner
-        self._topic = health_topic(runner.service.wiring.name)
-        self.due = 0
-
-    def send(self, now: int) -> None:
-        """Publish the health as of now [ns]."""
-        self.due = now + nanoseconds(1 / HEALTH_RATE)
-        runner = self._runner
-        loop_hz, p50, p99 = runner.timing.summary(now)
-        fault, notes = runner.fault, runner.service.notes()
-        if fault is None:
-            state, detail = ("degraded", notes) if notes else ("ok", "")
-        elif fault.waiting:
-            state, detail = "starting", fault.text
-        else:
-            state, detail = ("fault" if fault.kind is FaultKind.INTERNAL else "degraded"), fault.text
-        required = {topic.key for topic in runner.service.wiring.required}
-        inputs = {}
-        for key, inlet in runner.inlets.items():
-            latest = inlet.latest
-            # What may be missing, and what holds until it is replaced, has no fault by being silent.
-            judged = key in required or (latest is not None and inlet.topic.max_age < math.inf)
-            inputs[key] = InputHealth(
-                age=-1.0 if latest is None else seconds(now - latest.arrival_ns) + latest.delay,
-                hz=inlet.rate(now),
-                rejected=inlet.rejected + inlet.out_of_order + inlet.second_session,
-                ok=not judged or inlet.fault(now, runner.service.max_delay) is None,
-            )
-        runner.publish(
-            self._topic,
-            Health(state, detail, loop_hz, p50, p99, runner.timing.overruns, inputs),
-            valid=fault is None,
-        )

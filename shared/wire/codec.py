@@ -12,9 +12,7 @@ import numpy as np
 from shared.messages import Header
 from shared.schema.fields import InvalidField
 from shared.schema.records import Record
-
-MAP_CAP = 64 * 1024
-"""Largest payload [bytes] of a query, and of every message that is not an image."""
+from shared.topics import MAP_CAP
 
 _TEXT_ONLY = {str}
 _MALFORMED = (ValueError, TypeError, OverflowError, RecursionError, msgspec.MsgspecError)

@@ -12,9 +12,8 @@ from typing import Any
 
 import zenoh
 
-from shared.topics import TOPICS, topic_by_key
+from shared.topics import MAP_CAP, TOPICS, topic_by_key
 from shared.wire.bus import Leave, NoReply, OnPayload, OnRequest, Work
-from shared.wire.codec import MAP_CAP
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 _LEASE_MS = 1000

@@ -24,7 +24,8 @@ from shared.messages import (
 from shared.schema.fields import InvalidField, Kind, Number, Vector
 from shared.schema.records import MapOf, Record, RecordOf
 from shared.sim_messages import BagState
-from shared.wire.codec import MAP_CAP, Payload, Rejected, decode, decode_map, encode, encode_map
+from shared.topics import MAP_CAP
+from shared.wire.codec import Payload, Rejected, decode, decode_map, encode, encode_map
 from tests.shared.samples import SAMPLE, rejection
 from tests.shared.strategies import MESSAGES, any_plain, payload_map
 

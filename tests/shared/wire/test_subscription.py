@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from shared.faults import FaultKind
 from shared.messages import LONGEST_TTL, Header, Stop, TwistCommand
-from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, STOP, WRENCH_EXTERNAL
-from shared.wire.codec import MAP_CAP
+from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, MAP_CAP, STOP, WRENCH_EXTERNAL
 from shared.wire.subscription import HANDOVER_LIMIT, Inlet
 from tests.shared.rig import DECLARED_DELAY, ZERO, Feed, ManualClock, Publisher, ft_sample, target, wrench
 

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 import pytest
 
+from shared.topics import MAP_CAP
 from shared.wire.bus import NoReply, Reply
-from shared.wire.codec import MAP_CAP
 from shared.wire.zenoh import BusError, ZenohBus
 from tests.conftest import Router, StartProcess
 from tests.support.ports import free_endpoint
