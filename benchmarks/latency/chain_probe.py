@@ -91,8 +91,8 @@ class Probe:
     def overruns(self) -> dict[str, int]:
         """Overruns since the start of each service."""
         return {
-            name: inlet.latest.message.overruns if inlet.latest else -1
-            for name, inlet in zip(SERVICES, self.health, strict=True)
+            name: subscription.latest.message.overruns if subscription.latest else -1
+            for name, subscription in zip(SERVICES, self.health, strict=True)
         }
 
     def close(self) -> None:

@@ -19,7 +19,7 @@ from shared.schema.fields import InvalidField
 from shared.spatial import quaternion_from_rpy
 from shared.wire.bus import Bus
 from shared.wire.client import Client
-from shared.wire.subscription import Inlet
+from shared.wire.subscription import Subscription
 
 CONFIRM_WITHIN = 3.0  # [s]
 REPEAT = 0.1  # [s]
@@ -46,14 +46,14 @@ def resume(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
 def _latch(bus: Bus, message: Stop) -> None:
     """Says it until the robot's gate shows it: one message alone could be lost, and a stop must not be."""
     client = Client(bus)
-    inlet: Inlet[RobotStatus] = client.watch(topics.STATE_ROBOT)
-    controller: Inlet[ControlStatus] = client.watch(topics.CONTROL_STATUS)
+    subscription: Subscription[RobotStatus] = client.watch(topics.STATE_ROBOT)
+    controller: Subscription[ControlStatus] = client.watch(topics.CONTROL_STATUS)
     deadline = time.monotonic() + CONFIRM_WITHIN
     latched = False
     while time.monotonic() < deadline:
         client.publish(topics.STOP, message)
         time.sleep(REPEAT)
-        shown = inlet.latest
+        shown = subscription.latest
         latched = (
             not message.engaged
             and controller.latest is not None
@@ -61,7 +61,7 @@ def _latch(bus: Bus, message: Stop) -> None:
         )
         if shown is not None and (shown.message.mode == "stopped") == message.engaged and not latched:
             return
-    if inlet.latest is None:
+    if subscription.latest is None:
         refuse(
             "sent, but no robot answers on state/robot: is the robot process running? See: tandem status", 1
         )
@@ -70,7 +70,7 @@ def _latch(bus: Bus, message: Stop) -> None:
         refuse(f"the robot is released, but not the controller: {controller.latest.message.reason}", 1)
     wanted = "stopped" if message.engaged else "released"
     refuse(
-        f"sent, but the robot does not show {wanted} within {CONFIRM_WITHIN:g} s (it is {inlet.latest.message.mode})",
+        f"sent, but the robot does not show {wanted} within {CONFIRM_WITHIN:g} s (it is {subscription.latest.message.mode})",
         1,
     )
 

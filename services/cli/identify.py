@@ -19,7 +19,7 @@ from shared.parameters import Refused
 from shared.spatial import pose_error, rotation_matrix, rpy_from_rotation
 from shared.wire.bus import NoReply
 from shared.wire.client import Client
-from shared.wire.subscription import Inlet
+from shared.wire.subscription import Subscription
 from shared.wire.zenoh import ZenohBus
 
 # Tilts about base x and y as shares of the angle: once around, each a short way from the last.
@@ -45,8 +45,8 @@ def identify(
     force, torque = limits("--force-limit", force_limit), limits("--torque-limit", torque_limit)
     with open_bus(robot, connect) as bus:
         client = Client(bus)
-        inlet, status = client.watch(topics.STATE_EE), client.watch(topics.STATE_ROBOT)
-        start = _first(inlet)
+        subscription, status = client.watch(topics.STATE_EE), client.watch(topics.STATE_ROBOT)
+        start = _first(subscription)
         roll, pitch, yaw = rpy_from_rotation(rotation_matrix(start.orientation))
         typer.echo(
             f"The tool stays near {np.round(start.position, 2).tolist()} m and tilts up to {angle:g} rad."
@@ -61,7 +61,7 @@ def identify(
             for number, (about_x, about_y) in enumerate(TILTS, 1):
                 pose = [*start.position.tolist(), roll + about_x * angle, pitch + about_y * angle, yaw]
                 typer.echo(f"pose {number} of {len(TILTS)} ", nl=False)
-                away = _go(client, inlet, make_target(pose, force, torque))
+                away = _go(client, subscription, make_target(pose, force, torque))
                 _measure(client, topics.WRENCH_IDENTIFY, {"action": "add"})
                 typer.echo("taken" if away < ARRIVED else _short(away, status))
             reply = ask(bus, topics.WRENCH_IDENTIFY, {"action": "solve"})
@@ -74,10 +74,10 @@ def identify(
     )
 
 
-def _first(inlet: Inlet[EndEffector]) -> EndEffector:
+def _first(subscription: Subscription[EndEffector]) -> EndEffector:
     deadline = time.monotonic() + 2.0
     while time.monotonic() < deadline:
-        latest = inlet.latest
+        latest = subscription.latest
         if latest is not None:
             return latest.message
         time.sleep(0.02)
@@ -95,15 +95,15 @@ def _measure(client: Client, query: topics.Query, request: dict[str, Any]) -> No
                 refuse(f"{query.key} failed {ATTEMPTS} times: {problem}", 1)
 
 
-def _go(client: Client, inlet: Inlet[EndEffector], target: ControlTarget) -> float:
+def _go(client: Client, subscription: Subscription[EndEffector], target: ControlTarget) -> float:
     """Repeats the target until the tool is still, near it or where its joints end; returns the angle left [rad]."""
     deadline = time.monotonic() + REACH_WITHIN
     still_since = None
     while time.monotonic() < deadline:
         client.publish(topics.CONTROL_TARGET, target)
         time.sleep(REPEAT)
-        assert inlet.latest is not None
-        tool = inlet.latest.message
+        assert subscription.latest is not None
+        tool = subscription.latest.message
         stands, wanted = rotation_matrix(tool.orientation), rotation_matrix(target.orientation)
         error = pose_error(tool.position, stands, target.position, wanted)
         moving = max(np.linalg.norm(tool.linear), np.linalg.norm(tool.angular)) > STILL
@@ -121,7 +121,7 @@ def _go(client: Client, inlet: Inlet[EndEffector], target: ControlTarget) -> flo
     )
 
 
-def _short(away: float, status: Inlet[RobotStatus]) -> str:
+def _short(away: float, status: Subscription[RobotStatus]) -> str:
     """How far [rad] a pose was missed, and what the robot says about it: other orientations do as well."""
     reason = status.latest.message.reason if status.latest else ""
     return f"taken {math.degrees(away):.0f} degrees short of it{reason and f' ({reason})'}"

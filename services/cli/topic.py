@@ -18,7 +18,7 @@ from services.cli.refusal import refuse
 from shared import topics
 from shared.clock import SteadyClock
 from shared.topics import topic_by_key
-from shared.wire.subscription import Inlet, Received
+from shared.wire.subscription import Received, Subscription
 
 app = typer.Typer(help="What is said on the bus.")
 Key = Annotated[str, typer.Argument(help="Key without the robot, such as wrench/external.")]
@@ -54,10 +54,10 @@ def echo(
     if topic is None:
         refuse(f"{key!r} is no topic of the contract; see: tandem topic list")
     heard: queue.SimpleQueue[Received] = queue.SimpleQueue()
-    inlet: Inlet = Inlet(topic, SteadyClock(), heard.put)
+    subscription: Subscription = Subscription(topic, SteadyClock(), heard.put)
     printed = 0
     with open_bus(robot, connect) as bus:
-        bus.subscribe(topic.key, inlet.offer)
+        bus.subscribe(topic.key, subscription.offer)
         try:
             while not count or printed < count:
                 received = heard.get(timeout=within)
@@ -65,7 +65,11 @@ def echo(
                 typer.echo(json.dumps(header | _readable(received.message.to_plain())))
                 printed += 1
         except queue.Empty:
-            rejected = f"; {inlet.rejected} rejected, last: {inlet.last_rejection}" if inlet.rejected else ""
+            rejected = (
+                f"; {subscription.rejected} rejected, last: {subscription.last_rejection}"
+                if subscription.rejected
+                else ""
+            )
             refuse(f"nothing on {robot}/{key} for {within:g} s (is {topic.publisher} running?){rejected}", 1)
         except KeyboardInterrupt:
             return
@@ -106,18 +110,18 @@ def _rates(watch: Watch, only: str) -> Table:
         table.add_column(name, justify="right")
     table.add_column("publisher")
     now = SteadyClock().now_ns()
-    for key, inlet in watch.inlets.items():
-        if (only and key != only) or (inlet.latest is None and not inlet.rejected):
+    for key, subscription in watch.subscriptions.items():
+        if (only and key != only) or (subscription.latest is None and not subscription.rejected):
             continue
-        nominal = f"{inlet.topic.rate:g}" if inlet.topic.rate else "on change"
-        rejected = inlet.rejected + inlet.out_of_order + inlet.second_session
+        nominal = f"{subscription.topic.rate:g}" if subscription.topic.rate else "on change"
+        rejected = subscription.rejected + subscription.out_of_order + subscription.second_session
         table.add_row(
             key,
-            f"{inlet.rate(now):.1f}",
+            f"{subscription.rate(now):.1f}",
             nominal,
-            f"{1e3 * inlet.age(now):.0f}",
+            f"{1e3 * subscription.age(now):.0f}",
             str(rejected),
-            inlet.topic.publisher,
+            subscription.topic.publisher,
         )
     return table
 

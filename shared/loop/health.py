@@ -9,11 +9,15 @@ from shared.faults import Fault, FaultKind
 from shared.loop.timing import LoopTiming
 from shared.messages import Health, InputHealth
 from shared.service import Service
-from shared.wire.subscription import Inlet
+from shared.wire.subscription import Subscription
 
 
 def health(
-    now_ns: int, service: Service, fault: Fault | None, timing: LoopTiming, inlets: Mapping[str, Inlet]
+    now_ns: int,
+    service: Service,
+    fault: Fault | None,
+    timing: LoopTiming,
+    subscriptions: Mapping[str, Subscription],
 ) -> Health:
     """How a service is.
 
@@ -22,7 +26,7 @@ def health(
         service: asked for its notes and what it requires.
         fault: that is present, if any.
         timing: of its loop.
-        inlets: its inputs, by key.
+        subscriptions: its inputs, by key.
     """
     notes = service.notes()
     if fault is None:
@@ -33,13 +37,15 @@ def health(
         state, detail = ("fault" if fault.kind is FaultKind.INTERNAL else "degraded"), fault.text
     required = {topic.key for topic in service.wiring.required}
     inputs = {}
-    for key, inlet in inlets.items():
+    for key, subscription in subscriptions.items():
         # What may be missing, and what holds until it is replaced, has no fault by being silent.
-        judged = key in required or (inlet.latest is not None and inlet.topic.max_age < math.inf)
+        judged = key in required or (
+            subscription.latest is not None and subscription.topic.max_age < math.inf
+        )
         inputs[key] = InputHealth(
-            age=inlet.age(now_ns),
-            hz=inlet.rate(now_ns),
-            rejected=inlet.rejected + inlet.out_of_order + inlet.second_session,
-            ok=not judged or inlet.fault(now_ns, service.max_delay) is None,
+            age=subscription.age(now_ns),
+            hz=subscription.rate(now_ns),
+            rejected=subscription.rejected + subscription.out_of_order + subscription.second_session,
+            ok=not judged or subscription.fault(now_ns, service.max_delay) is None,
         )
     return Health(state, detail, *timing.summary(now_ns), timing.overruns, inputs)

@@ -16,7 +16,7 @@ from shared.service import Inputs, Output, Reading, Service
 from shared.topics import HEALTH_RATE, Topic, health_topic
 from shared.wire.bus import Bus, Leave, Work
 from shared.wire.publisher import Publisher
-from shared.wire.subscription import Inlet, Received
+from shared.wire.subscription import Received, Subscription
 
 BRAKE_PERIOD = 0.05
 """Time [s] between two braking outputs while an input is silent."""
@@ -60,7 +60,7 @@ class Runner:
         wiring = service.wiring
         self._driver = wiring.driver if isinstance(wiring.driver, Topic) else None
         self._period_ns = 0 if isinstance(wiring.driver, Topic) else nanoseconds(wiring.driver)
-        self.inlets: dict[str, Inlet] = {}
+        self.subscriptions: dict[str, Subscription] = {}
         now = clock.now_ns()
         self._last_call = now
         self._next_tick = now + self._period_ns
@@ -76,11 +76,11 @@ class Runner:
         self._health_due = 0
         self._desk = QueryDesk(self.service, wake)
         for topic in dict.fromkeys((*wiring.required, *wiring.optional)):
-            inlet = self.inlets[topic.key] = Inlet(topic, clock)
+            subscription = self.subscriptions[topic.key] = Subscription(topic, clock)
             driven = (work or (lambda _: wake())) if topic == self._driver else None
-            bus.subscribe(topic.key, inlet.offer, driven)
+            bus.subscribe(topic.key, subscription.offer, driven)
         self._leave: dict[str, Leave] = {}
-        self._required = [self.inlets[topic.key] for topic in wiring.required]
+        self._required = [self.subscriptions[topic.key] for topic in wiring.required]
         for query in (*wiring.queries, *((wiring.parameters,) if wiring.parameters else ())):
             bus.serve(query.key, self._desk.inbox(query))
         bus.alive(wiring.name)
@@ -104,7 +104,7 @@ class Runner:
             if now >= self._next_tick:
                 self._tick(now)
         else:
-            latest = self.inlets[self._driver.key].latest
+            latest = self.subscriptions[self._driver.key].latest
             if latest is not None and latest.number != self._stepped:
                 self._on_sample(now, latest, behind)
             elif now >= self._next_brake:
@@ -121,13 +121,13 @@ class Runner:
             if of_use() == (key in self._leave):
                 continue
             if key not in self._leave:
-                inlet = self.inlets[key] = Inlet(topic, self._clock)
-                self._leave[key] = self._bus.listen(key, inlet.offer)
+                subscription = self.subscriptions[key] = Subscription(topic, self._clock)
+                self._leave[key] = self._bus.listen(key, subscription.offer)
             else:
                 self._leave.pop(key)()
-                # With the inlet goes all that it knows: nothing is missed meanwhile, and nothing old is used
+                # With the subscription goes all that it knows: nothing is missed meanwhile, and nothing old is used
                 # afterwards, not even what is still on its way.
-                del self.inlets[key]
+                del self.subscriptions[key]
                 self._seen.pop(key, None)
 
     def _tick(self, now: int) -> None:
@@ -140,10 +140,10 @@ class Runner:
 
     def _on_sample(self, now: int, latest: Received, behind: bool) -> None:
         assert self._driver is not None
-        inlet = self.inlets[self._driver.key]
-        period_ns = nanoseconds(inlet.period)
+        subscription = self.subscriptions[self._driver.key]
+        period_ns = nanoseconds(subscription.period)
         # From the first message that found the loop busy: several that the network delivers at once are no overrun.
-        since = self._last_call if behind else inlet.waiting_since(self._stepped)
+        since = self._last_call if behind else subscription.waiting_since(self._stepped)
         self._stepped = latest.number
         self._call(now, self._input_fault(now) or self._stall(now - since, period_ns))
         done = self._clock.now_ns()
@@ -167,12 +167,12 @@ class Runner:
         """The most fundamental fault of the inputs or the loop, after keeping account of the start-up."""
         wiring = self.service.wiring
         worst: Fault | None = None
-        for inlet in self._required:
-            fault = inlet.fault(now, self.service.max_delay)
+        for subscription in self._required:
+            fault = subscription.fault(now, self.service.max_delay)
             if fault is not None and (worst is None or fault.severity < worst.severity):
                 worst = fault
-            if (latest := inlet.latest) is not None:
-                key, session = inlet.topic.key, latest.header.session
+            if (latest := subscription.latest) is not None:
+                key, session = subscription.topic.key, latest.header.session
                 if self._sessions.setdefault(key, session) != session:
                     self._sessions[key] = session
                     self._arming.restart()
@@ -211,18 +211,18 @@ class Runner:
         if self.fault is not None:
             return now + _BRAKE_PERIOD_NS
         deadline = _NEVER
-        for inlet in self._required:
-            if inlet.latest and (limit := inlet.age_limit) < math.inf:
-                deadline = min(deadline, inlet.latest.arrival_ns + nanoseconds(limit) + 1)
+        for subscription in self._required:
+            if subscription.latest and (limit := subscription.age_limit) < math.inf:
+                deadline = min(deadline, subscription.latest.arrival_ns + nanoseconds(limit) + 1)
         return deadline
 
     def _inputs(self, now: int) -> Inputs:
         readings = {}
         refusals = {}
-        for key, inlet in self.inlets.items():
-            if text := inlet.refusals:
+        for key, subscription in self.subscriptions.items():
+            if text := subscription.refusals:
                 refusals[key] = text
-            latest = inlet.latest
+            latest = subscription.latest
             if latest is None:
                 continue
             new = self._seen.get(key) != latest.number
@@ -241,7 +241,7 @@ class Runner:
 
     def _tell_health(self, now: int) -> None:
         self._health_due = now + _HEALTH_PERIOD_NS
-        message = health(now, self.service, self.fault, self.timing, self.inlets)
+        message = health(now, self.service, self.fault, self.timing, self.subscriptions)
         self.publish(self._health_topic, message, valid=self.fault is None)
 
     def close(self) -> None:

@@ -13,7 +13,7 @@ from shared.topics import Query, Topic
 from shared.wire.bus import Bus
 from shared.wire.codec import Rejected, decode_map, encode_map
 from shared.wire.publisher import Publisher
-from shared.wire.subscription import Inlet, Received
+from shared.wire.subscription import Received, Subscription
 
 M = TypeVar("M", bound=Record)
 
@@ -27,11 +27,13 @@ class Client:
         self.publisher = Publisher(bus, self.clock)
         self.publish = self.publisher.publish
 
-    def watch(self, topic: Topic[M], on_message: Callable[[Received[M]], None] | None = None) -> Inlet[M]:
+    def watch(
+        self, topic: Topic[M], on_message: Callable[[Received[M]], None] | None = None
+    ) -> Subscription[M]:
         """Subscribe; ``on_message`` is called from a thread of the bus and has to return at once."""
-        inlet = Inlet(topic, self.clock, on_message)
-        self.bus.subscribe(topic.key, inlet.offer)
-        return inlet
+        subscription = Subscription(topic, self.clock, on_message)
+        self.bus.subscribe(topic.key, subscription.offer)
+        return subscription
 
     def ask(
         self, query: Query, request: dict[str, Any] | None = None, timeout: float = 3.0

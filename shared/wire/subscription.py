@@ -46,7 +46,7 @@ class Received(Generic[M]):
     delay: float
 
 
-class Inlet(Generic[M]):
+class Subscription(Generic[M]):
     """Validates, orders and times the messages of one topic; keeps the newest.
 
     ``offer`` may be called from any thread; everything else reads a consistent snapshot.

@@ -56,7 +56,7 @@ class Watch:
         self.excesses: list[TwistCommand] = []
         self.status: ControlStatus | None = None
         # One thread per subscription: nothing here is written by two.
-        self.inlet = client.watch(COMMAND_EE_TWIST, self._command)
+        self.subscription = client.watch(COMMAND_EE_TWIST, self._command)
         client.watch(CONTROL_STATUS, self._status)
 
     def _command(self, received: Received[TwistCommand]) -> None:
@@ -179,7 +179,7 @@ class Chain:
             assert process.running, process.output
             assert "Traceback" not in process.output, process.output
         assert not self.watch.excesses
-        assert self.watch.inlet.rejected == 0, self.watch.inlet.last_rejection
+        assert self.watch.subscription.rejected == 0, self.watch.subscription.last_rejection
 
     def unharmed_so_far(self) -> bool:
         """``unharmed``, to be asked again and again."""

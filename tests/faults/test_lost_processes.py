@@ -82,8 +82,8 @@ def test_a_lost_wrench_service_brakes(chain: Chain, robot: Process, number: sign
 
 def test_the_last_target_stays_in_force(chain: Chain, robot: Process) -> None:
     """The task may die: its last target holds, as the contract says."""
-    inlet = chain.client.watch(CONTROL_TARGET)
-    eventually(lambda: inlet.latest, PATIENCE, "a target")
+    subscription = chain.client.watch(CONTROL_TARGET)
+    eventually(lambda: subscription.latest, PATIENCE, "a target")
     chain.pause_target()
     try:
         chain.works("the tool moves without a task")

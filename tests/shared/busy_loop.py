@@ -26,9 +26,9 @@ class BusyLoop:
             (WRENCH_EXTERNAL, self.wrench, wrench()),
             (STATE_EE, self.ee, tool()),
         ):
-            inlet = self.runner.inlets.get(topic.key)
-            if inlet is not None:
-                inlet.offer(publisher.payload(message, stamp=publisher.stamp() - round(age * 1e9)))
+            subscription = self.runner.subscriptions.get(topic.key)
+            if subscription is not None:
+                subscription.offer(publisher.payload(message, stamp=publisher.stamp() - round(age * 1e9)))
 
     def run(self, count: int, period: float = 0.01) -> None:
         for _ in range(count):

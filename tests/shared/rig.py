@@ -27,7 +27,7 @@ from shared.topics import (
 )
 from shared.wire.codec import encode
 from shared.wire.local import LocalBus, Scheduler
-from shared.wire.subscription import Inlet, Received
+from shared.wire.subscription import Received, Subscription
 
 LEVEL = (0.0, 0.0, 0.0, 1.0)
 ZERO = (0.0, 0.0, 0.0)
@@ -169,14 +169,14 @@ DECLARED_DELAY = 0.02
 
 
 class Feed:
-    """An inlet, its clock and a first publisher at 100 Hz."""
+    """An subscription, its clock and a first publisher at 100 Hz."""
 
     def __init__(
         self, topic: Topic = SENSOR_FT, make: Callable[[], Record] = ft_sample, period: float = 0.01
     ) -> None:
         self.clock = ManualClock()
         self.received: list[Received] = []
-        self.inlet = Inlet(topic, self.clock, self.received.append)
+        self.subscription = Subscription(topic, self.clock, self.received.append)
         self.make = make
         self.period = period
         self.first = Publisher(self.clock, session=1, epoch=5000.0)
@@ -184,8 +184,8 @@ class Feed:
     def run(self, count: int, publisher: Publisher | None = None) -> None:
         for _ in range(count):
             self.clock.advance(self.period)
-            self.inlet.offer((publisher or self.first).payload(self.make()))
+            self.subscription.offer((publisher or self.first).payload(self.make()))
 
     def fault(self) -> FaultKind | None:
-        fault = self.inlet.fault(self.clock.now, DECLARED_DELAY)
+        fault = self.subscription.fault(self.clock.now, DECLARED_DELAY)
         return None if fault is None else fault.kind

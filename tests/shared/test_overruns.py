@@ -71,16 +71,16 @@ def test_a_burst_that_the_network_delivers_at_once_is_no_overrun() -> None:
 def test_a_sample_accepted_while_the_loop_reads_is_no_overrun() -> None:
     loop = BusyLoop()
     loop.working()
-    inlet = loop.runner.inlets[WRENCH_EXTERNAL.key]
-    waiting_since = inlet.waiting_since
+    subscription = loop.runner.subscriptions[WRENCH_EXTERNAL.key]
+    waiting_since = subscription.waiting_since
 
     def racing(number: int) -> int:
         since = waiting_since(number)
-        inlet.waiting_since = waiting_since  # type: ignore[method-assign]
+        subscription.waiting_since = waiting_since  # type: ignore[method-assign]
         loop.deliver()
         return since
 
-    inlet.waiting_since = racing  # type: ignore[method-assign]
+    subscription.waiting_since = racing  # type: ignore[method-assign]
     loop.run(1)
     loop.runner.poll()
     assert loop.service.calls == ["step"] * 2

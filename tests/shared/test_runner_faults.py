@@ -112,7 +112,7 @@ def test_garbage_in_place_of_samples_brakes() -> None:
     driver.bend = lambda payload: payload[:-3]
     rig.stack.run(0.1)
     assert rig.service.brakes[-1][0].kind is FaultKind.REFUSED
-    assert rig.runner.inlets[WRENCH_EXTERNAL.key].rejected == 10
+    assert rig.runner.subscriptions[WRENCH_EXTERNAL.key].rejected == 10
 
 
 @pytest.mark.parametrize(

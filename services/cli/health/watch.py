@@ -11,7 +11,7 @@ from shared.clock import Clock, SteadyClock
 from shared.processes import SERVICES
 from shared.topics import Topic, health_topic
 from shared.wire.bus import Bus
-from shared.wire.subscription import Inlet
+from shared.wire.subscription import Subscription
 
 
 class Watch:
@@ -23,27 +23,27 @@ class Watch:
         self._bus = bus
         watched: list[Topic] = [topic for topic in topics.TOPICS if topic is not topics.SENSOR_CAMERA]
         watched += [health_topic(service) for service in SERVICES]
-        self.inlets = {topic.key: Inlet(topic, self._clock) for topic in watched}
-        for key, inlet in self.inlets.items():
-            bus.subscribe(key, inlet.offer)
+        self.subscriptions = {topic.key: Subscription(topic, self._clock) for topic in watched}
+        for key, subscription in self.subscriptions.items():
+            bus.subscribe(key, subscription.offer)
 
     def message(self, topic: Topic, fresh: float = 1.0) -> Any:
         """The newest message, None if there is none younger than `fresh` [s]."""
-        inlet = self.inlets[topic.key]
-        latest, age = inlet.latest, inlet.age(self._clock.now_ns())
+        subscription = self.subscriptions[topic.key]
+        latest, age = subscription.latest, subscription.age(self._clock.now_ns())
         return latest.message if latest is not None and 0 <= age <= fresh else None
 
     def rate(self, topic: Topic) -> float:
         """Messages of the last second [Hz]."""
-        return self.inlets[topic.key].rate(self._clock.now_ns())
+        return self.subscriptions[topic.key].rate(self._clock.now_ns())
 
     def health(self) -> dict[str, Heard]:
         """Every service of which health was heard."""
         heard = {}
         for service in SERVICES:
-            inlet = self.inlets[f"health/{service}"]
-            if inlet.latest is not None:
-                heard[service] = Heard(inlet.latest.message, inlet.age(self._clock.now_ns()))
+            subscription = self.subscriptions[f"health/{service}"]
+            if subscription.latest is not None:
+                heard[service] = Heard(subscription.latest.message, subscription.age(self._clock.now_ns()))
         return heard
 
     def living(self) -> set[str]:

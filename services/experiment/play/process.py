@@ -20,7 +20,7 @@ from shared.loop.runner import Runner
 from shared.parameters import Refused
 from shared.wire.bus import Bus, NoReply
 from shared.wire.client import Client
-from shared.wire.subscription import Inlet
+from shared.wire.subscription import Subscription
 from shared.wire.zenoh import BusError, ZenohBus
 
 INCOMPLETE = "incomplete.npz"
@@ -110,7 +110,7 @@ class Progress:
         task: status of the stack's task.
     """
 
-    def __init__(self, as_json: bool, task: Inlet) -> None:
+    def __init__(self, as_json: bool, task: Subscription) -> None:
         self._as_json = as_json
         self._task = task
         self._said: object = None

@@ -44,10 +44,14 @@ def test_every_topic_arrives_and_a_command_moves_the_tool(client: Client, simula
         topics.SIM_WORLD,
         topics.health_topic("sim"),
     )
-    inlets = {topic.key: client.watch(topic) for topic in published}
-    eventually(lambda: all(inlet.accepted >= 3 for inlet in inlets.values()), 20.0, "every topic three times")
-    assert all(inlet.rejected == 0 for inlet in inlets.values())
-    tool = inlets["state/ee"]
+    subscriptions = {topic.key: client.watch(topic) for topic in published}
+    eventually(
+        lambda: all(subscription.accepted >= 3 for subscription in subscriptions.values()),
+        20.0,
+        "every topic three times",
+    )
+    assert all(subscription.rejected == 0 for subscription in subscriptions.values())
+    tool = subscriptions["state/ee"]
     start = tool.latest.message.position[2]
     assert start == pytest.approx(1.0, abs=1e-3)
 

@@ -109,28 +109,28 @@ def test_bias_shifts_every_axis_or_each_by_its_own() -> None:
 
 def test_garbage_is_rejected_by_whoever_receives_it() -> None:
     rig = Rig()
-    inlet = rig.stack.client.watch(topics.SENSOR_FT)
+    subscription = rig.stack.client.watch(topics.SENSOR_FT)
     rig.ask(command="fault", target="ft", kind="garbage")
     rig.run(0.5)
-    assert inlet.rejected == 50
-    assert inlet.accepted == 0
+    assert subscription.rejected == 50
+    assert subscription.accepted == 0
     rig.ask(command="fault", target="ft", kind="ok")
     rig.run(0.1)
-    assert inlet.accepted == 10
+    assert subscription.accepted == 10
 
 
 def test_delay_brings_old_samples_whose_stamps_say_so() -> None:
     rig = Rig(**QUIET)
-    inlet = rig.stack.client.watch(topics.SENSOR_FT)
+    subscription = rig.stack.client.watch(topics.SENSOR_FT)
     rig.run(0.2)
     rig.ask(command="fault", target="ft", kind="delay", value=0.05)
     rig.ask(command="push", force=[0.0, 0.0, -10.0], duration=10.0)
     rig.run(0.04)
-    arrived = inlet.accepted
+    arrived = subscription.accepted
     assert arrived == 20
     rig.run(0.2)
-    assert inlet.latest is not None
-    assert inlet.latest.delay == pytest.approx(0.05, abs=1e-3)
+    assert subscription.latest is not None
+    assert subscription.latest.delay == pytest.approx(0.05, abs=1e-3)
     pushed = [np.linalg.norm(message.force) > 10.0 for message in rig.all(topics.SENSOR_FT)]
     assert sum(pushed) == pytest.approx(19, abs=1)
     assert pushed[-1] and not pushed[arrived - 1]

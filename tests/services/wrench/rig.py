@@ -34,7 +34,7 @@ class Rig:
         self.valid = True
         self.turning: Array | None = None
         self.received: list[Received[ExternalWrench]] = []
-        self.inlet = self.stack.client.watch(WRENCH_EXTERNAL, self.received.append)
+        self.subscription = self.stack.client.watch(WRENCH_EXTERNAL, self.received.append)
         self.wrench = Wrench(WrenchParameters.of(parameters), folder)
         self.runner = self.stack.add(self.wrench)
         self._period = nanoseconds(1 / rate)

@@ -34,7 +34,7 @@ class Robot(StandIn):
         self.external = np.zeros(6)
         self.saturated = False
         self.received: list[Received[ExternalWrench]] = []
-        self.inlet = self.client.watch(WRENCH_EXTERNAL, self.received.append)
+        self.subscription = self.client.watch(WRENCH_EXTERNAL, self.received.append)
 
     def turn(self, number: int) -> None:
         self.client.publish(SENSOR_FT, self.sensor.sample(LEVEL, self.external, self.saturated))
@@ -48,7 +48,7 @@ class Robot(StandIn):
         return (
             self.last is not None
             and self.last.header.valid
-            and self.inlet.age(SteadyClock().now_ns()) < 0.1
+            and self.subscription.age(SteadyClock().now_ns()) < 0.1
             and self.last.message.fault == ""
         )
 

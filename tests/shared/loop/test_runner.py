@@ -110,7 +110,7 @@ def test_an_occasional_input_is_subscribed_to_while_it_is_of_use_and_then_anew()
         rig.stack.run(duration)
         return [inputs.get(SENSOR_FT) for inputs, _ in steps]
 
-    assert not any(run(0.2)) and not rig.stack.bus.wanted(key) and key not in rig.runner.inlets
+    assert not any(run(0.2)) and not rig.stack.bus.wanted(key) and key not in rig.runner.subscriptions
     use = True
     readings = run(0.2)
     assert rig.stack.bus.wanted(key) and readings[-1] is not None and readings[-1].new
@@ -118,7 +118,7 @@ def test_an_occasional_input_is_subscribed_to_while_it_is_of_use_and_then_anew()
     assert not any(run(0.2)[1:]) and not rig.stack.bus.wanted(key)
     # Whatever was heard before is forgotten: neither an old message nor a fault about the time between is left.
     source.on, use = False, True
-    assert not any(run(0.2)) and rig.runner.inlets[key].age(rig.stack.scheduler.clock.now_ns()) == -1.0
+    assert not any(run(0.2)) and rig.runner.subscriptions[key].age(rig.stack.scheduler.clock.now_ns()) == -1.0
     source.restart()
     source.on = True
     first = next(reading for reading in run(0.2) if reading is not None)

@@ -13,32 +13,32 @@ from hypothesis import strategies as st
 from shared.faults import FaultKind
 from shared.messages import LONGEST_TTL, Header, Stop, TwistCommand
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, MAP_CAP, STOP, WRENCH_EXTERNAL
-from shared.wire.subscription import HANDOVER_LIMIT, Inlet
+from shared.wire.subscription import HANDOVER_LIMIT, Subscription
 from tests.shared.rig import DECLARED_DELAY, ZERO, Feed, ManualClock, Publisher, ft_sample, target, wrench
 
 
 def test_never_seen_then_healthy() -> None:
     feed = Feed()
     assert feed.fault() is FaultKind.NEVER_SEEN
-    assert feed.inlet.age(feed.clock.now) == -1.0
+    assert feed.subscription.age(feed.clock.now) == -1.0
     feed.run(1)
     assert feed.fault() is None
-    assert feed.inlet.age(feed.clock.now) == 0.0
+    assert feed.subscription.age(feed.clock.now) == 0.0
 
 
 def test_duplicates_and_older_messages_are_dropped_and_counted() -> None:
     feed = Feed()
     feed.run(3)
-    newest = feed.inlet.latest
+    newest = feed.subscription.latest
     assert newest is not None
     feed.clock.advance(0.005)
     for seq in (2, 1, 0, 2):
-        feed.inlet.offer(feed.first.payload(ft_sample(9.0), seq=seq))
-    feed.inlet.offer(feed.first.payload(ft_sample(9.0), seq=3, stamp=newest.header.stamp - 1))
-    assert feed.inlet.latest is newest
-    assert feed.inlet.out_of_order == 5
+        feed.subscription.offer(feed.first.payload(ft_sample(9.0), seq=seq))
+    feed.subscription.offer(feed.first.payload(ft_sample(9.0), seq=3, stamp=newest.header.stamp - 1))
+    assert feed.subscription.latest is newest
+    assert feed.subscription.out_of_order == 5
     assert len(feed.received) == 3
-    assert "5 out of sequence" in feed.inlet.refusals
+    assert "5 out of sequence" in feed.subscription.refusals
 
 
 @given(st.permutations(range(30)), st.lists(st.integers(0, 29), max_size=20))
@@ -50,11 +50,11 @@ def test_in_any_order_of_arrival_sequence_and_stamp_only_advance(order: list[int
         feed.clock.advance(0.01)
         payloads.append(feed.first.payload(ft_sample()))
     for seq in (*order, *again):
-        feed.inlet.offer(payloads[seq])
+        feed.subscription.offer(payloads[seq])
     headers = [received.header for received in feed.received]
     assert all(a.seq < b.seq and a.stamp <= b.stamp for a, b in itertools.pairwise(headers))
     assert headers[-1].seq == 29
-    assert feed.inlet.accepted + feed.inlet.out_of_order == 30 + len(again)
+    assert feed.subscription.accepted + feed.subscription.out_of_order == 30 + len(again)
 
 
 def test_a_second_session_is_refused_while_the_first_lives() -> None:
@@ -63,10 +63,10 @@ def test_a_second_session_is_refused_while_the_first_lives() -> None:
     feed.run(5)
     for _ in range(50):
         feed.run(1)
-        feed.inlet.offer(second.payload(ft_sample(99.0)))
-    assert feed.inlet.second_session == 50
+        feed.subscription.offer(second.payload(ft_sample(99.0)))
+    assert feed.subscription.second_session == 50
     assert all(received.header.session == 1 for received in feed.received)
-    assert "second session" in feed.inlet.refusals
+    assert "second session" in feed.subscription.refusals
 
 
 def test_a_second_session_takes_over_after_the_silence() -> None:
@@ -74,14 +74,14 @@ def test_a_second_session_takes_over_after_the_silence() -> None:
     feed.run(5)
     second = Publisher(feed.clock, session=2)
     feed.clock.advance(0.029)
-    feed.inlet.offer(second.payload(ft_sample()))
-    assert feed.inlet.second_session == 1
+    feed.subscription.offer(second.payload(ft_sample()))
+    assert feed.subscription.second_session == 1
     feed.clock.advance(0.002)
-    feed.inlet.offer(second.payload(ft_sample()))
-    latest = feed.inlet.latest
+    feed.subscription.offer(second.payload(ft_sample()))
+    latest = feed.subscription.latest
     assert latest is not None and latest.header.session == 2
-    feed.inlet.offer(feed.first.payload(ft_sample()))
-    assert feed.inlet.second_session == 2
+    feed.subscription.offer(feed.first.payload(ft_sample()))
+    assert feed.subscription.second_session == 2
 
 
 @pytest.mark.parametrize(("ttl", "held"), [(0.02, 0.02), (0.2, 0.2), (1e9, LONGEST_TTL)])
@@ -90,11 +90,11 @@ def test_a_command_holds_its_topic_for_its_ttl(ttl: float, held: float) -> None:
     feed.run(1)
     second = Publisher(feed.clock, session=2)
     feed.clock.advance(held - 0.001)
-    feed.inlet.offer(second.payload(feed.make()))
-    assert feed.inlet.second_session == 1
+    feed.subscription.offer(second.payload(feed.make()))
+    assert feed.subscription.second_session == 1
     feed.clock.advance(0.002)
-    feed.inlet.offer(second.payload(feed.make()))
-    assert feed.inlet.accepted == 2
+    feed.subscription.offer(second.payload(feed.make()))
+    assert feed.subscription.accepted == 2
 
 
 def test_a_target_that_is_used_for_ever_can_still_be_handed_over() -> None:
@@ -102,26 +102,26 @@ def test_a_target_that_is_used_for_ever_can_still_be_handed_over() -> None:
     feed.run(3)
     feed.clock.advance(HANDOVER_LIMIT + 0.01)
     assert feed.fault() is None
-    feed.inlet.offer(Publisher(feed.clock, session=2).payload(target()))
-    assert feed.inlet.accepted == 4
+    feed.subscription.offer(Publisher(feed.clock, session=2).payload(target()))
+    assert feed.subscription.accepted == 4
 
 
 def test_anybody_may_stop_at_any_time() -> None:
     feed = Feed(STOP, lambda: Stop(False))
     feed.run(1)
     for session in range(2, 6):
-        feed.inlet.offer(Publisher(feed.clock, session).payload(Stop(True, "me")))
-    assert feed.inlet.accepted == 5 and feed.inlet.second_session == 0
+        feed.subscription.offer(Publisher(feed.clock, session).payload(Stop(True, "me")))
+    assert feed.subscription.accepted == 5 and feed.subscription.second_session == 0
 
 
 def test_garbage_is_counted_and_changes_nothing_else() -> None:
     feed = Feed()
     feed.run(3)
-    newest = feed.inlet.latest
+    newest = feed.subscription.latest
     for payload in (b"", b"\xc1", b"\x80", bytes(MAP_CAP + 1), feed.first.payload(ft_sample())[:-1]):
-        feed.inlet.offer(payload)
-    assert feed.inlet.latest is newest
-    assert feed.inlet.rejected == 5
+        feed.subscription.offer(payload)
+    assert feed.subscription.latest is newest
+    assert feed.subscription.rejected == 5
     assert feed.fault() is None
     feed.clock.advance(0.05)
     assert feed.fault() is FaultKind.REFUSED
@@ -129,16 +129,16 @@ def test_garbage_is_counted_and_changes_nothing_else() -> None:
 
 def test_nothing_but_garbage_is_told_from_nothing_at_all() -> None:
     feed = Feed()
-    feed.inlet.offer(b"\x81\xa3seq\x01")
-    fault = feed.inlet.fault(feed.clock.now, DECLARED_DELAY)
+    feed.subscription.offer(b"\x81\xa3seq\x01")
+    fault = feed.subscription.fault(feed.clock.now, DECLARED_DELAY)
     assert fault is not None and fault.kind is FaultKind.REFUSED and "session is missing" in fault.text
 
 
 def test_an_invalid_message_is_reported_with_the_publishers_word_and_no_more() -> None:
     clock = ManualClock()
-    inlet = Inlet(WRENCH_EXTERNAL, clock)
-    inlet.offer(Publisher(clock).payload(wrench(fault="stuck" + "!" * 5000), valid=False))
-    fault = inlet.fault(clock.now, DECLARED_DELAY)
+    subscription = Subscription(WRENCH_EXTERNAL, clock)
+    subscription.offer(Publisher(clock).payload(wrench(fault="stuck" + "!" * 5000), valid=False))
+    fault = subscription.fault(clock.now, DECLARED_DELAY)
     assert fault is not None and fault.kind is FaultKind.INVALID
     assert fault.word.startswith("stuck!") and len(fault.text) < 200
 
@@ -149,12 +149,12 @@ def test_one_message_far_ahead_does_not_make_the_topic_deaf_for_ever(forward: st
     feed.run(50)
     seq = 2**62 if forward == "seq" else None
     stamp = feed.first.stamp() + 10**15 if forward == "stamp" else None
-    feed.inlet.offer(feed.first.payload(ft_sample(), seq=seq, stamp=stamp))
+    feed.subscription.offer(feed.first.payload(ft_sample(), seq=seq, stamp=stamp))
     feed.run(5)
-    assert feed.inlet.accepted == 51
+    assert feed.subscription.accepted == 51
     feed.run(120)
     assert feed.fault() is None
-    latest = feed.inlet.latest
+    latest = feed.subscription.latest
     assert latest is not None and latest.header.seq == feed.first.seq - 1
     assert latest.delay < 0.001
 
@@ -165,8 +165,8 @@ def test_a_message_repeated_for_ever_never_counts_as_new() -> None:
     payload = feed.first.payload(ft_sample(), seq=3)
     for _ in range(300):
         feed.clock.advance(0.01)
-        feed.inlet.offer(payload)
-    assert feed.inlet.accepted == 5
+        feed.subscription.offer(payload)
+    assert feed.subscription.accepted == 5
     assert feed.fault() is FaultKind.SILENT
 
 
@@ -183,17 +183,17 @@ def test_threads_may_offer_at_once() -> None:
     def offer(part: int) -> None:
         barrier.wait()
         for payload in payloads[part::threads]:
-            feed.inlet.offer(payload)
+            feed.subscription.offer(payload)
 
     workers = [threading.Thread(target=offer, args=(part,)) for part in range(threads)]
     for worker in workers:
         worker.start()
     for worker in workers:
         worker.join()
-    latest = feed.inlet.latest
+    latest = feed.subscription.latest
     assert latest is not None and latest.header.seq == count * threads - 1
-    assert latest.number == feed.inlet.accepted == len(feed.received)
-    assert feed.inlet.accepted + feed.inlet.out_of_order == count * threads
+    assert latest.number == feed.subscription.accepted == len(feed.received)
+    assert feed.subscription.accepted + feed.subscription.out_of_order == count * threads
 
 
 def test_headers_of_extreme_integers_do_no_harm() -> None:
@@ -205,8 +205,10 @@ def test_headers_of_extreme_integers_do_no_harm() -> None:
         (6, 1, 2**64 - 1),
     ):
         feed.clock.advance(2.0)
-        feed.inlet.offer(Publisher(feed.clock, session).payload(ft_sample(), seq=seq, stamp=stamp))
+        feed.subscription.offer(Publisher(feed.clock, session).payload(ft_sample(), seq=seq, stamp=stamp))
         feed.fault()
-        assert np.isfinite([feed.inlet.age(feed.clock.now), feed.inlet.loss(), feed.inlet.age_limit]).all()
-    assert feed.inlet.accepted == 4
+        assert np.isfinite(
+            [feed.subscription.age(feed.clock.now), feed.subscription.loss(), feed.subscription.age_limit]
+        ).all()
+    assert feed.subscription.accepted == 4
     assert isinstance(feed.received[-1].header, Header)

@@ -15,7 +15,7 @@ from shared import topics
 from shared.clock import SteadyClock
 from shared.messages import Header, TaskStatus
 from shared.wire.codec import encode
-from shared.wire.subscription import Inlet
+from shared.wire.subscription import Subscription
 
 COVERED = "no marker in sight: is it covered, or out of the picture?"
 
@@ -25,7 +25,7 @@ def test_the_newest_reason_of_the_task_is_told_once_it_has_been_started(
 ) -> None:
     course = CarrySequence(CARRY.run_named("certified-omni"))
     experiment = SimpleNamespace(course=course, now=lambda: 12.0)
-    task = Inlet(topics.TASK_STATUS, SteadyClock())
+    task = Subscription(topics.TASK_STATUS, SteadyClock())
     progress = Progress(True, task)
 
     def told(number: int, reason: str) -> dict[str, object]:
@@ -47,7 +47,7 @@ def test_the_newest_reason_of_the_task_is_told_once_it_has_been_started(
 def test_without_a_task_there_is_no_reason(capsys: pytest.CaptureFixture[str]) -> None:
     course = CarrySequence(CARRY.run_named("certified-omni"))
     course.start = 2.0
-    Progress(True, Inlet(topics.TASK_STATUS, SteadyClock())).show(
+    Progress(True, Subscription(topics.TASK_STATUS, SteadyClock())).show(
         SimpleNamespace(course=course, now=lambda: 3.0)
     )
     assert json.loads(capsys.readouterr().out)["reason"] == ""
