@@ -46,14 +46,14 @@ def resume(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
 def _latch(bus: Bus, message: Stop) -> None:
     """Says it until the robot's gate shows it: one message alone could be lost, and a stop must not be."""
     client = Client(bus)
-    subscription: Subscription[RobotStatus] = client.watch(topics.STATE_ROBOT)
+    robot_status: Subscription[RobotStatus] = client.watch(topics.STATE_ROBOT)
     controller: Subscription[ControlStatus] = client.watch(topics.CONTROL_STATUS)
     deadline = time.monotonic() + CONFIRM_WITHIN
     latched = False
     while time.monotonic() < deadline:
         client.publish(topics.STOP, message)
         time.sleep(REPEAT)
-        shown = subscription.latest
+        shown = robot_status.latest
         latched = (
             not message.engaged
             and controller.latest is not None
@@ -61,7 +61,7 @@ def _latch(bus: Bus, message: Stop) -> None:
         )
         if shown is not None and (shown.message.mode == "stopped") == message.engaged and not latched:
             return
-    if subscription.latest is None:
+    if robot_status.latest is None:
         refuse(
             "sent, but no robot answers on state/robot: is the robot process running? See: tandem status", 1
         )
@@ -70,7 +70,7 @@ def _latch(bus: Bus, message: Stop) -> None:
         refuse(f"the robot is released, but not the controller: {controller.latest.message.reason}", 1)
     wanted = "stopped" if message.engaged else "released"
     refuse(
-        f"sent, but the robot does not show {wanted} within {CONFIRM_WITHIN:g} s (it is {subscription.latest.message.mode})",
+        f"sent, but the robot does not show {wanted} within {CONFIRM_WITHIN:g} s (it is {robot_status.latest.message.mode})",
         1,
     )
 

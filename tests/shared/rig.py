@@ -169,7 +169,7 @@ DECLARED_DELAY = 0.02
 
 
 class Feed:
-    """An subscription, its clock and a first publisher at 100 Hz."""
+    """A subscription, its clock and a first publisher at 100 Hz."""
 
     def __init__(
         self, topic: Topic = SENSOR_FT, make: Callable[[], Record] = ft_sample, period: float = 0.01
