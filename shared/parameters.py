@@ -18,13 +18,14 @@ class Refused(ValueError):
     """A request or a setting is not granted; the text says what, where, the limit and the remedy."""
 
 
-def parameter(
-    default: Any, *, unit: str, doc: str, minimum: float = -math.inf, maximum: float = math.inf
-) -> Any:
-    """Declare one parameter; ``minimum`` and ``maximum`` hold for each element of a vector."""
-    return Field(
-        default=default, description=doc, json_schema_extra={"unit": unit, "min": minimum, "max": maximum}
-    )
+def parameter(default: Any, unit: str, minimum: float, maximum: float, doc: str) -> Any:
+    """Declare a number, or a vector each element of which is in the range."""
+    return Field(default, description=doc, json_schema_extra={"unit": unit, "min": minimum, "max": maximum})
+
+
+def option(default: Any, doc: str, unit: str = "") -> Any:
+    """Declare a parameter that has no range: a choice, a switch, a text, a list."""
+    return parameter(default, unit, -math.inf, math.inf, doc)
 
 
 def check_range(name: str, value: Any, declared: FieldInfo) -> None:

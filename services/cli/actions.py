@@ -69,10 +69,8 @@ def _latch(bus: Bus, message: Stop) -> None:
         assert controller.latest is not None
         refuse(f"the robot is released, but not the controller: {controller.latest.message.reason}", 1)
     wanted = "stopped" if message.engaged else "released"
-    refuse(
-        f"sent, but the robot does not show {wanted} within {CONFIRM_WITHIN:g} s (it is {robot_status.latest.message.mode})",
-        1,
-    )
+    mode = robot_status.latest.message.mode
+    refuse(f"sent, but the robot does not show {wanted} within {CONFIRM_WITHIN:g} s (it is {mode})", 1)
 
 
 def tare(

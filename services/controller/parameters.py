@@ -6,7 +6,7 @@ from typing import Literal
 
 from services.controller.bounds.contact_zone import ContactZone
 from shared.messages import LONGEST_TTL
-from shared.parameters import Parameters, Vector3, Vector6, check_range, parameter
+from shared.parameters import Parameters, Vector3, Vector6, check_range, option, parameter
 
 LawName = Literal["certified", "paper", "stiffness"]
 
@@ -14,102 +14,65 @@ LawName = Literal["certified", "paper", "stiffness"]
 class ControllerParameters(Parameters):
     """Law, what the environment may be like, how the robot is connected, and how fast it may move."""
 
-    law: LawName = parameter(
-        "certified", unit="", doc="certified: force limits proven; paper: Dawson et al.; stiffness: a spring"
+    law: LawName = option(
+        "certified", "certified: force limits proven; paper: Dawson et al.; stiffness: a spring"
     )
-    lyapunov_rate: float = parameter(
-        10.0, unit="1/s", minimum=0.01, maximum=100.0, doc="lambda, wanted rate of the Lyapunov function"
-    )
+    lyapunov_rate: float = parameter(10.0, "1/s", 0.01, 100.0, "lambda, wanted rate of the Lyapunov function")
     relaxation_weight: float = parameter(
         1.0,
-        unit="1",
-        minimum=0.01,
-        maximum=100.0,
-        doc="k; caps the pull to the target: the free tool converges with min(k, lambda)/2 per second",
+        "1",
+        0.01,
+        100.0,
+        "k; caps the pull to the target: the free tool converges with min(k, lambda)/2 per second",
     )
     barrier_rate: Vector6 = parameter(
-        (1.0,) * 6,
-        unit="1/s per N/m, Nm/rad",
-        minimum=1e-4,
-        maximum=1e3,
-        doc="alpha of the law paper, per axis",
+        (1.0,) * 6, "1/s per N/m, Nm/rad", 1e-4, 1e3, "alpha of the law paper, per axis"
     )
     contact_stiffness: float = parameter(
-        500.0, unit="N/m", minimum=1.0, maximum=1e7, doc="kappa, largest stiffness, sum over all contacts"
+        500.0, "N/m", 1.0, 1e7, "kappa, largest stiffness, sum over all contacts"
     )
     contact_reach: Vector3 = parameter(
-        (1.2, 0.3, 0.05),
-        unit="m",
-        minimum=1e-3,
-        maximum=5.0,
-        doc="farthest contact from the tool origin, tool axes",
+        (1.2, 0.3, 0.05), "m", 1e-3, 5.0, "farthest contact from the tool origin, tool axes"
     )
-    contact_friction: float = parameter(
-        0.0, unit="1", minimum=0.0, maximum=2.0, doc="mu of contacts that slip"
-    )
-    zones: tuple[ContactZone, ...] = parameter(
+    contact_friction: float = parameter(0.0, "1", 0.0, 2.0, "mu of contacts that slip")
+    zones: tuple[ContactZone, ...] = option(
         (),
-        unit="",
-        doc="further contact zones {stiffness [N/m], reach [m], friction}, each within the ranges of contact_*; "
+        "further contact zones {stiffness [N/m], reach [m], friction}, each within the ranges of contact_*; "
         "their stiffnesses add up",
     )
     reserve: float = parameter(
-        0.1,
-        unit="1",
-        minimum=0.0,
-        maximum=0.5,
-        doc="share of the limit that pressing leaves for sliding and retreat",
+        0.1, "1", 0.0, 0.5, "share of the limit that pressing leaves for sliding and retreat"
     )
     yield_start: float = parameter(
-        1.0,
-        unit="1",
-        minimum=0.5,
-        maximum=1.0,
-        doc="share of the limit where yielding begins; 1 = only beyond it",
+        1.0, "1", 0.5, 1.0, "share of the limit where yielding begins; 1 = only beyond it"
     )
     period: float = parameter(
-        0.02,
-        unit="s",
-        minimum=1e-3,
-        maximum=LONGEST_TTL,
-        doc="T, longest time one command acts; sent as its ttl",
+        0.02, "s", 1e-3, LONGEST_TTL, "T, longest time one command acts; sent as its ttl"
     )
     delay: float = parameter(
-        0.02,
-        unit="s",
-        minimum=0.0,
-        maximum=0.1,
-        doc="d, from contact to sample plus from command to motion, at most",
+        0.02, "s", 0.0, 0.1, "d, from contact to sample plus from command to motion, at most"
     )
-    lag: float = parameter(0.02, unit="s", minimum=0.0, maximum=0.5, doc="tau, lag of the robot's motion")
+    lag: float = parameter(0.02, "s", 0.0, 0.5, "tau, lag of the robot's motion")
     payload_mass: float = parameter(
         0.0,
-        unit="kg",
-        minimum=0.0,
-        maximum=20.0,
-        doc="mass beyond the sensor; times max_acceleration it counts as force that no contact exerts. Not counted is "
+        "kg",
+        0.0,
+        20.0,
+        "mass beyond the sensor; times max_acceleration it counts as force that no contact exerts. Not counted is "
         "its torque, mass x acceleration x distance of the centre of mass from the tool origin: keep that below the "
         "torque's error_bound, by a centre of mass close to the tool or a lower max_acceleration",
     )
     spring_stiffness: Vector6 = parameter(
-        (40.0, 40.0, 40.0, 10.0, 10.0, 10.0),
-        unit="N/m, Nm/rad",
-        minimum=1e-2,
-        maximum=1e5,
-        doc="of the law stiffness",
+        (40.0, 40.0, 40.0, 10.0, 10.0, 10.0), "N/m, Nm/rad", 1e-2, 1e5, "of the law stiffness"
     )
-    max_linear: float = parameter(
-        0.25, unit="m/s", minimum=1e-3, maximum=1.0, doc="largest speed of the tool origin"
-    )
-    max_angular: float = parameter(
-        0.5, unit="rad/s", minimum=1e-3, maximum=3.0, doc="largest turning rate of the tool"
-    )
+    max_linear: float = parameter(0.25, "m/s", 1e-3, 1.0, "largest speed of the tool origin")
+    max_angular: float = parameter(0.5, "rad/s", 1e-3, 3.0, "largest turning rate of the tool")
     max_acceleration: Vector6 = parameter(
         (2.0, 2.0, 2.0, 2.5, 2.5, 2.5),
-        unit="m/s2, rad/s2",
-        minimum=0.01,
-        maximum=1e4,
-        doc="of speeding up, tool axes; slowing down is never limited",
+        "m/s2, rad/s2",
+        0.01,
+        1e4,
+        "of speeding up, tool axes; slowing down is never limited",
     )
 
     def check(self) -> None:

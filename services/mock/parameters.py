@@ -2,38 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
-from shared.parameters import Parameters, Vector3, Vector6, parameter
+from shared.parameters import Parameters, Vector3, Vector6, option, parameter
 
 
 class MockParameters(Parameters):
     """Rates, limits of the gate, and what acts on the tool."""
 
-    rate: float = parameter(100.0, unit="Hz", minimum=30.0, maximum=1000.0, doc="of sensor/ft")
-    pose_rate: float = parameter(
-        1000.0, unit="Hz", minimum=20.0, maximum=1000.0, doc="of state/ee, at most rate"
+    rate: float = parameter(100.0, "Hz", 30.0, 1000.0, "of sensor/ft")
+    pose_rate: float = parameter(1000.0, "Hz", 20.0, 1000.0, "of state/ee, at most rate")
+    steps: int = parameter(1, "", 1, 100, "steps of the gate per sample of sensor/ft")
+    base_type: Literal["differential", "omni"] = option("differential", "kind of mobile base")
+    max_linear: float = parameter(0.5, "m/s", 0.01, 2.0, "largest speed of the tool's origin")
+    max_angular: float = parameter(1.0, "rad/s", 0.01, 3.0, "largest turning rate of the tool")
+    position: Vector3 = option((0.5, -0.3, 1.0), "of the tool at the start, in base", unit="m")
+    still: bool = option(
+        False, "the tool stays where it is, whatever the gate lets through: a first day with a robot"
     )
-    steps: int = parameter(
-        1, unit="", minimum=1, maximum=100, doc="steps of the gate per sample of sensor/ft"
-    )
-    base_type: Literal["differential", "omni"] = parameter("differential", unit="", doc="kind of mobile base")
-    max_linear: float = parameter(
-        0.5, unit="m/s", minimum=0.01, maximum=2.0, doc="largest speed of the tool's origin"
-    )
-    max_angular: float = parameter(
-        1.0, unit="rad/s", minimum=0.01, maximum=3.0, doc="largest turning rate of the tool"
-    )
-    position: Vector3 = parameter((0.5, -0.3, 1.0), unit="m", doc="of the tool at the start, in base")
-    still: bool = parameter(
-        False,
-        unit="",
-        doc="the tool stays where it is, whatever the gate lets through: a first day with a robot",
-    )
-    wrench: Vector6 = parameter((0.0,) * 6, unit="N, Nm", doc="that acts on the tool's origin, base axes")
+    wrench: Vector6 = option((0.0,) * 6, "that acts on the tool's origin, base axes", unit="N, Nm")
     noise: Vector6 = parameter(
-        (0.02,) * 3 + (0.002,) * 3,
-        unit="N, Nm",
-        minimum=0.0,
-        doc="standard deviation of the sensor's, per axis",
+        (0.02,) * 3 + (0.002,) * 3, "N, Nm", 0.0, math.inf, "standard deviation of the sensor's, per axis"
     )

@@ -10,7 +10,7 @@ from pydantic import model_validator
 from services.sim.camera.view import Scenery
 from services.sim.scene.panel import PanelSpec
 from services.sim.scene.panel_scene import CarrySpec
-from shared.parameters import Parameters, Refused, Vector3, Vector6, parameter
+from shared.parameters import Parameters, Refused, Vector3, Vector6, option, parameter
 
 SLOWEST_RATE = 30.0
 """Rate [Hz] in real time below which the contract's readers take a sensor for silent in between."""
@@ -28,119 +28,92 @@ so far to the left that open fingers do not hide the marker from the head."""
 class SimParameters(Parameters):
     """Rates, sensor errors and speed limits of the simulated TIAGo, and what is around it."""
 
-    scene: SceneName = parameter(
+    scene: SceneName = option(
         "full",
-        unit="",
-        doc="what is around it: load has bags on a rope; carry also a panel, a person and a camera, and the arm starts "
+        "what is around it: load has bags on a rope; carry also a panel, a person and a camera, and the arm starts "
         "in front of the panel; full has all of it, and the arm starts as in load",
     )
 
-    ft_rate: float = parameter(
-        100.0, unit="Hz", minimum=30.0, maximum=1000.0, doc="of the wrist's force-torque sensor"
-    )
+    ft_rate: float = parameter(100.0, "Hz", 30.0, 1000.0, "of the wrist's force-torque sensor")
     ft_noise: Vector6 = parameter(
         (0.1, 0.1, 0.1, 0.005, 0.005, 0.005),
-        unit="N, Nm",
-        minimum=0.0,
-        maximum=50.0,
-        doc="standard deviation of its noise, per axis; never below 1e-6, so that no axis looks stuck",
+        "N, Nm",
+        0.0,
+        50.0,
+        "standard deviation of its noise, per axis; never below 1e-6, so that no axis looks stuck",
     )
-    ft_bias: Vector6 = parameter(
-        (0.0,) * 6, unit="N, Nm", minimum=-100.0, maximum=100.0, doc="its constant error, per axis"
-    )
-    joint_rate: float = parameter(
-        100.0, unit="Hz", minimum=50.0, maximum=1000.0, doc="of joint states and of the tool's pose"
-    )
-    camera_rate: float = parameter(10.0, unit="Hz", minimum=1.0, maximum=30.0, doc="of the head camera")
-    base_type: BaseType = parameter("differential", unit="", doc="kind of mobile base")
-    physics_rate: float = parameter(
-        500.0, unit="Hz", minimum=500.0, maximum=4000.0, doc="of physics steps, at least"
-    )
+    ft_bias: Vector6 = parameter((0.0,) * 6, "N, Nm", -100.0, 100.0, "its constant error, per axis")
+    joint_rate: float = parameter(100.0, "Hz", 50.0, 1000.0, "of joint states and of the tool's pose")
+    camera_rate: float = parameter(10.0, "Hz", 1.0, 30.0, "of the head camera")
+    base_type: BaseType = option("differential", "kind of mobile base")
+    physics_rate: float = parameter(500.0, "Hz", 500.0, 4000.0, "of physics steps, at least")
     real_time_factor: float = parameter(
         1.0,
-        unit="1",
-        minimum=0.03,
-        maximum=10.0,
-        doc="simulated seconds per second; rates are simulated, so ft_rate and joint_rate times this have to be 30 Hz "
+        "1",
+        0.03,
+        10.0,
+        "simulated seconds per second; rates are simulated, so ft_rate and joint_rate times this have to be 30 Hz "
         "or more; commands' ttl stays in real time",
     )
-    max_linear: float = parameter(
-        0.3, unit="m/s", minimum=0.01, maximum=1.0, doc="largest speed of the tool's origin"
-    )
-    max_angular: float = parameter(
-        1.0, unit="rad/s", minimum=0.01, maximum=3.0, doc="largest turning rate of the tool"
-    )
+    max_linear: float = parameter(0.3, "m/s", 0.01, 1.0, "largest speed of the tool's origin")
+    max_angular: float = parameter(1.0, "rad/s", 0.01, 3.0, "largest turning rate of the tool")
     max_linear_acceleration: float = parameter(
-        5.0, unit="m/s2", minimum=0.1, maximum=100.0, doc="of speeding up; slowing down is not limited"
+        5.0, "m/s2", 0.1, 100.0, "of speeding up; slowing down is not limited"
     )
     max_angular_acceleration: float = parameter(
-        10.0, unit="rad/s2", minimum=0.1, maximum=100.0, doc="of speeding up; slowing down is not limited"
+        10.0, "rad/s2", 0.1, 100.0, "of speeding up; slowing down is not limited"
     )
     panel_size: Vector3 = parameter(
-        (1.2, 0.6, 0.05), unit="m", minimum=0.02, maximum=3.0, doc="length, width and thickness of the panel"
+        (1.2, 0.6, 0.05), "m", 0.02, 3.0, "length, width and thickness of the panel"
     )
-    panel_mass: float = parameter(1.5, unit="kg", minimum=0.2, maximum=10.0, doc="of the panel")
-    panel_friction: float = parameter(
-        0.6, unit="1", minimum=0.0, maximum=2.0, doc="of the panel on the ground and on its supports"
-    )
+    panel_mass: float = parameter(1.5, "kg", 0.2, 10.0, "of the panel")
+    panel_friction: float = parameter(0.6, "1", 0.0, 2.0, "of the panel on the ground and on its supports")
     panel_stiffness: float = parameter(
         12000.0,
-        unit="N/m",
-        minimum=500.0,
-        maximum=20000.0,
-        doc="of the panel's foam standing on an edge or lying on a face; it stands by itself on an edge of thickness t "
+        "N/m",
+        500.0,
+        20000.0,
+        "of the panel's foam standing on an edge or lying on a face; it stands by itself on an edge of thickness t "
         "if this is above 4 m g h / t2, h the height of its centre: 7100 for the default panel",
     )
     panel_position: Vector3 = parameter(
         _CLEAR_OF_THE_ARM,
-        unit="m",
-        minimum=-5.0,
-        maximum=5.0,
-        doc="middle of the panel's edge towards the robot as it lies on its supports, in base at the start; "
+        "m",
+        -5.0,
+        5.0,
+        "middle of the panel's edge towards the robot as it lies on its supports, in base at the start; "
         f"{list(_AHEAD_OF_THE_ARM)} by default in the scene carry",
     )
     panel_yaw: float = parameter(
-        0.0,
-        unit="rad",
-        minimum=-1.5,
-        maximum=1.5,
-        doc="of the panel on its supports, about the vertical through panel_position",
+        0.0, "rad", -1.5, 1.5, "of the panel on its supports, about the vertical through panel_position"
     )
     grip_friction: float = parameter(
         3.5,
-        unit="1",
-        minimum=0.0,
-        maximum=10.0,
-        doc="of the fingers' pads on the panel: about 0.9 for rubber, several for pads that bite into foam",
+        "1",
+        0.0,
+        10.0,
+        "of the fingers' pads on the panel: about 0.9 for rubber, several for pads that bite into foam",
     )
-    person_force: float = parameter(
-        60.0, unit="N", minimum=0.0, maximum=200.0, doc="largest force of the person's hands"
-    )
-    person_torque: float = parameter(
-        20.0, unit="Nm", minimum=0.0, maximum=50.0, doc="largest torque of the person's hands"
-    )
-    marker_id: int = parameter(7, unit="", minimum=0, maximum=49, doc="of the ArUco marker (DICT_4X4_50)")
-    marker_size: float = parameter(
-        0.15, unit="m", minimum=0.02, maximum=0.5, doc="printed width of the marker's black square"
-    )
+    person_force: float = parameter(60.0, "N", 0.0, 200.0, "largest force of the person's hands")
+    person_torque: float = parameter(20.0, "Nm", 0.0, 50.0, "largest torque of the person's hands")
+    marker_id: int = parameter(7, "", 0, 49, "of the ArUco marker (DICT_4X4_50)")
+    marker_size: float = parameter(0.15, "m", 0.02, 0.5, "printed width of the marker's black square")
     marker_position: tuple[float, float] = parameter(
         (-0.35, 0.0),
-        unit="m",
-        minimum=-1.5,
-        maximum=1.5,
-        doc="of the marker's centre on the panel's upper face, from the panel's centre along its x and y",
+        "m",
+        -1.5,
+        1.5,
+        "of the marker's centre on the panel's upper face, from the panel's centre along its x and y",
     )
-    light: float = parameter(1.0, unit="1", minimum=0.0, maximum=2.0, doc="brightness; 0 = dark")
+    light: float = parameter(1.0, "1", 0.0, 2.0, "brightness; 0 = dark")
     camera_noise: float = parameter(
         1.0,
-        unit="of 255",
-        minimum=0.5,
-        maximum=50.0,
-        doc="standard deviation of each pixel's red, green and blue; never none, so that no camera looks stuck",
+        "of 255",
+        0.5,
+        50.0,
+        "standard deviation of each pixel's red, green and blue; never none, so that no camera looks stuck",
     )
-    seed: int = parameter(
-        0, unit="", minimum=0, maximum=2**63 - 1, doc="of the noise of force-torque sensor and camera"
-    )
+    seed: int = parameter(0, "", 0, 2**63 - 1, "of the noise of force-torque sensor and camera")
 
     @model_validator(mode="before")
     @classmethod

@@ -83,10 +83,8 @@ class Publisher:
 
 
 class RecorderParameters(Parameters):
-    gain: float = parameter(1.0, unit="1/s", minimum=0.0, maximum=10.0, doc="a number")
-    limit: tuple[float, float, float] = parameter(
-        (1.0, 1.0, 1.0), unit="N", minimum=0.1, maximum=50.0, doc="a vector"
-    )
+    gain: float = parameter(1.0, "1/s", 0.0, 10.0, "a number")
+    limit: tuple[float, float, float] = parameter((1.0, 1.0, 1.0), "N", 0.1, 50.0, "a vector")
 
 
 class Recorder(Service[RecorderParameters]):

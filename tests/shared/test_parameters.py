@@ -8,23 +8,23 @@ from typing import Any, Literal
 import pytest
 from hypothesis import given, settings
 
-from shared.parameters import Parameters, Refused, Vector3, parameter
+from shared.parameters import Parameters, Refused, Vector3, option, parameter
 from tests.shared.strategies import any_plain
 
 
 class Zone(Parameters):
-    stiffness: float = parameter(1000.0, unit="N/m", minimum=1.0, maximum=1e6, doc="of the contact")
+    stiffness: float = parameter(1000.0, "N/m", 1.0, 1e6, "of the contact")
 
 
 class Example(Parameters):
-    rate: float = parameter(100.0, unit="Hz", minimum=30.0, maximum=1000.0, doc="a number")
-    limit: Vector3 = parameter((25.0, 25.0, 25.0), unit="N", minimum=0.1, maximum=100.0, doc="a vector")
-    law: Literal["certified", "paper"] = parameter("certified", unit="", doc="a choice")
-    steps: int = parameter(4, unit="", minimum=1, maximum=9, doc="an integer")
-    strict: bool = parameter(True, unit="", doc="a switch")
-    zones: tuple[Zone, ...] = parameter((), unit="", doc="a list of tables")
-    low: float = parameter(0.0, unit="N", doc="below high")
-    high: float = parameter(1.0, unit="N", doc="above low")
+    rate: float = parameter(100.0, "Hz", 30.0, 1000.0, "a number")
+    limit: Vector3 = parameter((25.0, 25.0, 25.0), "N", 0.1, 100.0, "a vector")
+    law: Literal["certified", "paper"] = option("certified", "a choice")
+    steps: int = parameter(4, "", 1, 9, "an integer")
+    strict: bool = option(True, "a switch")
+    zones: tuple[Zone, ...] = option((), "a list of tables")
+    low: float = option(0.0, "below high", unit="N")
+    high: float = option(1.0, "above low", unit="N")
 
     def check(self) -> None:
         if self.low >= self.high:
@@ -136,7 +136,7 @@ def test_the_table_can_travel() -> None:
 
 def test_a_vector_of_the_wrong_length_is_refused_with_its_name_and_the_length_wanted():
     class Speeds(Parameters):
-        limits: Vector3 = parameter((1.0, 1.0, 1.0), unit="m/s", minimum=0.0, maximum=2.0, doc="limits")
+        limits: Vector3 = parameter((1.0, 1.0, 1.0), "m/s", 0.0, 2.0, "limits")
 
     for wrong in ([1.0, 2.0], [1.0] * 4, ["x"] * 3, 3.0):
         with pytest.raises(Refused, match=r"^limits is .*, wanted 3 numbers$"):
