@@ -41,6 +41,16 @@ class Pose:
         """A pose from position (3,) [m] and roll, pitch, yaw (3,) [rad]."""
         return cls.of(position, quaternion_from_rpy(*rpy))
 
+    @classmethod
+    def from_row(cls, row: Array) -> Pose:
+        """A pose from position and quaternion in a row (7,)."""
+        return cls.of(row[:3], row[3:])
+
+    @property
+    def row(self) -> Array:
+        """Position and unit quaternion (7,)."""
+        return np.concatenate((self.position, self.orientation))
+
     @property
     def orientation(self) -> Array:
         """Unit quaternion (4,)."""

@@ -7,52 +7,59 @@ names the boot that it was written in.
 from __future__ import annotations
 
 import json
-import math
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
 from services.task.states import Observation, State
 from shared.loop.files import write_whole
+from shared.schema.fields import Boolean, Integer, Number, Quaternion, Text, Vector
+from shared.schema.records import Record, of
+from shared.spatial import Array
 
 _VERSION = 2
 _BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
-_LONGEST = 4096
-"""Characters of a file that is read at most; a journal has a few hundred."""
-_SHOWN = 100
-"""Characters of a problem that are told."""
-_UNREADABLE = (OSError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError)
+_LONGEST = 4096  # characters of a file that are read; a journal has a few hundred
+_SHOWN = 100  # characters of a problem that are told
+_UNREADABLE = (OSError, ValueError, RecursionError)
 """Whatever lies in the file: the task has to start, and to say what it found."""
+_STATES = tuple(state.value for state in State)
+_CARRIED_ON = (State.CARRYING.value, State.RELEASING.value)
 
 
-@dataclass(frozen=True, eq=False)
-class JournalEntry:
-    """One carry.
+class JournalEntry(Record):
+    """One carry."""
 
-    Attributes:
-        session: of the robot process.
-        state: of the task.
-        home: the tool when the grasp was finished.
-        target: the last one sent.
-        mass: of the panel [kg].
-        nominal: nominal force along z [N].
-        supported: whether the panel was lifted.
-        written: when, steady clock [s].
-        boot: of the machine, in which that clock runs; "" if it has no name.
-    """
+    session: int = of(Integer(doc="of the robot process"))
+    state: str = of(Text(choices=_STATES, doc="of the task"))
+    home: Array = of(Vector("m", "the tool when the grasp was finished: position and quaternion", size=7))
+    target: Array = of(Vector("m", "the last one sent: position and quaternion", size=7))
+    mass: float = of(Number("kg", "of the panel"))
+    nominal: float = of(Number("N", "nominal force along z"))
+    supported: bool = of(Boolean(doc="whether the panel was lifted"))
+    written: float = of(Number("s", "when, steady clock"), default=0.0)
+    boot: str = of(Text(doc="of the machine, in which that clock runs; empty if it has no name"), default="")
 
-    session: int
-    state: State
-    home: Pose
-    target: Pose
-    mass: float
-    nominal: float
-    supported: bool
-    written: float = 0.0
-    boot: str = ""
+    def check(self) -> None:
+        """Refuse a pose without a rotation.
+
+        Raises:
+            InvalidField: with its norm.
+        """
+        for name, pose in (("home", self.home), ("target", self.target)):
+            Quaternion().check(pose[3:], name)
+
+    @property
+    def home_pose(self) -> Pose:
+        """The tool when the grasp was finished."""
+        return Pose.from_row(self.home)
+
+    @property
+    def target_pose(self) -> Pose:
+        """The last target sent."""
+        return Pose.from_row(self.target)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +95,7 @@ class Journal:
         self.problem = ""
 
     def read(self, session: int) -> JournalEntry | None:
-        """The entry of this run, else that of the last one; None without any, with a ``problem`` if it is torn."""
+        """The entry of this run, else that of the last one; None without one, with a ``problem`` if it is torn."""
         if self._folder is None:
             return None
         what: Path = self._folder
@@ -103,13 +110,16 @@ class Journal:
                 text = file.read(_LONGEST + 1)
             if len(text) > _LONGEST:
                 raise ValueError(f"more than {_LONGEST} characters")
-            return _entry(json.loads(text))
+            plain = json.loads(text)
+            if not isinstance(plain, dict) or plain.get("version") != _VERSION:
+                raise ValueError(f"no entry of version {_VERSION}")
+            return JournalEntry.from_plain(plain)
         except _UNREADABLE as problem:
             self.problem = f"the journal {what} is torn ({type(problem).__name__}: {str(problem)[:_SHOWN]})"
             return None
 
     def _files(self, session: int) -> list[Path]:
-        """All journals, the one to go by last."""
+        """Every journal, the one to go by last."""
         assert self._folder is not None
         if not self._folder.is_dir():
             return []
@@ -129,7 +139,8 @@ class Journal:
             if entry is None:
                 ours.unlink(missing_ok=True)
             else:
-                write_whole(ours, json.dumps(_plain(entry, now, self._boot)))
+                entry = entry.replaced(written=now, boot=self._boot)
+                write_whole(ours, json.dumps({"version": _VERSION, **entry.to_plain()}))
             self.problem = ""
             if self._alone != session:
                 self._leave_alone(session)
@@ -195,62 +206,12 @@ def judge(
         return Resumption(
             kept=entry, reason="the robot was restarted meanwhile, its poses mean something else now"
         )
-    if entry.state not in (State.CARRYING, State.RELEASING):
-        return Resumption(kept=entry, reason=f"the task was {entry.state.value} before its restart")
-    if not seen.tool.near(entry.target, parameters.resume_distance, parameters.resume_angle):
-        away = seen.tool.distance(entry.target)
-        text = f"the tool is {away:.2f} m and {seen.tool.angle(entry.target):.2f} rad from its last target"
+    if entry.state not in _CARRIED_ON:
+        return Resumption(kept=entry, reason=f"the task was {entry.state} before its restart")
+    target = entry.target_pose
+    if not seen.tool.near(target, parameters.resume_distance, parameters.resume_angle):
+        away, turned = seen.tool.distance(target), seen.tool.angle(target)
+        text = f"the tool is {away:.2f} m and {turned:.2f} rad from its last target"
         allowed = f"{parameters.resume_distance:g} m and {parameters.resume_angle:g} rad"
         return Resumption(kept=entry, reason=f"{text}, allowed are {allowed}")
     return Resumption(entry)
-
-
-def _plain(entry: JournalEntry, now: float, boot: str) -> dict[str, Any]:
-    return {
-        "version": _VERSION,
-        "session": entry.session,
-        "state": entry.state.value,
-        "home": _plain_pose(entry.home),
-        "target": _plain_pose(entry.target),
-        "mass": entry.mass,
-        "nominal": entry.nominal,
-        "supported": entry.supported,
-        "written": now,
-        "boot": boot,
-    }
-
-
-def _plain_pose(pose: Pose) -> list[float]:
-    return [*pose.position.tolist(), *pose.orientation.tolist()]
-
-
-def _entry(plain: dict[str, Any]) -> JournalEntry:
-    if plain["version"] != _VERSION:
-        raise ValueError(f"version {plain['version']}")
-    session, supported, boot = plain["session"], plain["supported"], plain["boot"]
-    if not isinstance(session, int) or not isinstance(supported, bool) or not isinstance(boot, str):
-        raise TypeError("session, supported or boot")
-    return JournalEntry(
-        session=session,
-        state=State(plain["state"]),
-        home=_pose(plain["home"]),
-        target=_pose(plain["target"]),
-        mass=_number(plain["mass"]),
-        nominal=_number(plain["nominal"]),
-        supported=supported,
-        written=_number(plain["written"]),
-        boot=boot,
-    )
-
-
-def _pose(plain: list[Any]) -> Pose:
-    values = [_number(value) for value in plain]
-    if len(values) != 7:
-        raise ValueError(f"a pose of {len(values)} numbers")
-    return Pose.of(values[:3], values[3:])
-
-
-def _number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise ValueError(f"{value!r} is no number")
-    return float(value)

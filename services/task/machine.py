@@ -65,12 +65,12 @@ class StateMachine(Commands):
         assert seen.gripper is not None
         self.ready, self._seen, self._session, entry = True, seen, seen.session, recalled.entry
         self.fingers.close(hold=seen.gripper.holding)
-        if entry is not None and entry.state in (State.CARRYING, State.RELEASING):
-            self._carry = self._recalled_carry(entry, entry.home)
+        if entry is not None:
+            self._carry = self._recalled_carry(entry, entry.home_pose)
             self._go(State.CARRYING, "carrying on after a restart", seen)
         elif self.fingers.hold:
             kept = recalled.kept
-            self._carry = self._recalled_carry(kept, seen.tool.rolled_as(kept.home)) if kept else None
+            self._carry = self._recalled_carry(kept, seen.tool.rolled_as(kept.home_pose)) if kept else None
             what = recalled.reason or "no journal says what it is"
             remedy = "`start` or `release`" if kept else "`release` lets it go"
             self._go(State.HOLDING, f"the gripper holds something: {what}; {remedy}", seen)
@@ -87,9 +87,9 @@ class StateMachine(Commands):
         carry = self._carry
         return JournalEntry(
             session=seen.session,
-            state=self.state,
-            home=carry.home if carry else seen.tool,
-            target=target or seen.tool,
+            state=self.state.value,
+            home=(carry.home if carry else seen.tool).row,
+            target=(target or seen.tool).row,
             mass=self._settings.panel_mass,
             nominal=carry.nominal.force if carry else 0.0,
             supported=carry.nominal.supported if carry else False,
@@ -236,7 +236,7 @@ class StateMachine(Commands):
 
     def _recalled_carry(self, entry: JournalEntry, home: Pose) -> Carry:
         nominal = NominalWrench(self._settings.half_weight, entry.nominal, entry.supported)
-        return Carry(self._settings, self.fingers, home, float(entry.target.position[2]), nominal)
+        return Carry(self._settings, self.fingers, home, float(entry.target[2]), nominal)
 
     def _with_grip(
         self, seen: Observation | None, faults: Sequence[TaskFault], dt: float

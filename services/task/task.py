@@ -147,7 +147,7 @@ class Task(Service[TaskParameters]):
         recalled = judge(entry, self._journal.problem, seen, self.parameters, self._now(), self._boot)
         self.machine.resume(recalled, seen)
         if recalled.entry is not None:
-            self._outbox.target = recalled.entry.target
+            self._outbox.target = recalled.entry.target_pose
         return True
 
     def _outputs(self, decision: Decision, dt: float) -> Iterator[Output]:

@@ -10,17 +10,16 @@ A tare knows only the sum at one orientation; an identified payload knows m, h, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import lru_cache
 
 import numpy as np
 
 from shared.constants import GRAVITY
+from shared.schema.fields import Number, Text, Vector
+from shared.schema.records import Record, of
 from shared.spatial import Array, cross, skew
 
-
-def _zeros(size: int) -> Array:
-    return np.zeros(size)
+_ZERO3, _ZERO6 = (0.0,) * 3, (0.0,) * 6
 
 
 def gravity_in_sensor(rotation: Array) -> Array:
@@ -40,42 +39,32 @@ def payload_wrench(mass: float, moment: Array, rotation: Array) -> Array:
     return np.concatenate((mass * gravity, cross(moment, gravity)))
 
 
-@dataclass(frozen=True)
-class Compensation:
-    """What is subtracted from each reading, and how well it is known.
+class Compensation(Record):
+    """What is subtracted from each reading, and how well it is known; a journal holds these fields."""
 
-    Attributes:
-        kind: ``none``, ``tare`` or ``payload``.
-        bias: (6,) [N, Nm] sensor axes.
-        bias_error: (6,) [N, Nm] bound on the error of ``bias``, sensor axes, at the orientations it was measured in.
-        mass: [kg] of the identified payload, 0 for ``none`` and ``tare``.
-        moment: (3,) [kg m] mass times centre of mass of the identified payload, sensor axes.
-        mass_error: [kg] bound on the error of ``mass``.
-        moment_error: [kg m] bound on the length of the error of ``moment``.
-        noise: (6,) [N, Nm] bound on the sensor's noise as measured while it stood still, 0 if it never was.
-        up: (3,) base's z axis in sensor axes at the tare.
-    """
-
-    kind: str = "none"
-    bias: Array = field(default_factory=lambda: _zeros(6))
-    bias_error: Array = field(default_factory=lambda: _zeros(6))
-    mass: float = 0.0
-    moment: Array = field(default_factory=lambda: _zeros(3))
-    mass_error: float = 0.0
-    moment_error: float = 0.0
-    noise: Array = field(default_factory=lambda: _zeros(6))
-    up: Array = field(default_factory=lambda: _zeros(3))
+    kind: str = of(Text(choices=("none", "tare", "payload")), default="none")
+    bias: Array = of(Vector("N, Nm", "sensor axes", size=6), default=_ZERO6)
+    bias_error: Array = of(
+        Vector("N, Nm", "bound on the error of bias at the orientations it was measured in", size=6),
+        default=_ZERO6,
+    )
+    mass: float = of(Number("kg", "of the identified payload, 0 for none and tare"), default=0.0)
+    moment: Array = of(
+        Vector("kg m", "mass times centre of mass of the payload, sensor axes"), default=_ZERO3
+    )
+    mass_error: float = of(Number("kg", "bound on the error of mass"), default=0.0)
+    moment_error: float = of(Number("kg m", "bound on the length of the error of moment"), default=0.0)
+    noise: Array = of(
+        Vector("N, Nm", "bound on the sensor's noise as measured while it stood still, 0 if never", size=6),
+        default=_ZERO6,
+    )
+    up: Array = of(Vector("", "base's z axis in sensor axes at the tare"), default=_ZERO3)
 
     def offset(self, rotation: Array) -> Array:
         """What to subtract (6,) [N, Nm] from a reading taken with the sensor at ``rotation`` in base."""
         if self.kind == "payload":
-            return self.bias + self._weight_of_up.dot(rotation[2])
+            return self.bias + _weight_of_up(self).dot(rotation[2])
         return self.bias
-
-    @cached_property
-    def _weight_of_up(self) -> Array:
-        """`payload_wrench` as a matrix (6, 3) that acts on base's z axis in sensor axes."""
-        return -GRAVITY * np.vstack((self.mass * np.eye(3), skew(self.moment)))
 
     def tared(self, reading: Array, error: Array, noise: Array, rotation: Array) -> Compensation:
         """This compensation after a tare: the average ``reading`` (6,) is what nothing touching looks like.
@@ -90,8 +79,14 @@ class Compensation:
         """
         if self.kind == "payload":
             weight = payload_wrench(self.mass, self.moment, rotation)
-            return replace(self, bias=reading - weight, bias_error=error, noise=noise)
-        return Compensation("tare", bias=reading, bias_error=error, noise=noise, up=rotation[2].copy())
+            return self.replaced(bias=reading - weight, bias_error=error, noise=noise)
+        return Compensation("tare", bias=reading, bias_error=error, noise=noise, up=rotation[2])
+
+
+@lru_cache(maxsize=4)
+def _weight_of_up(compensation: Compensation) -> Array:
+    """`payload_wrench` as a matrix (6, 3) that acts on base's z axis in sensor axes: the same for every reading."""
+    return -GRAVITY * np.vstack((compensation.mass * np.eye(3), skew(compensation.moment)))
 
 
 def transport(rotation: Array, tool_offset: Array) -> Array:

@@ -15,13 +15,14 @@ that is larger: with few poses a small residual is luck.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from services.wrench.averaging import SIGMAS, Average
 from services.wrench.compensation import Compensation, gravity_in_sensor
 from shared.constants import GRAVITY
+from shared.schema.fields import Integer, Number, Vector
+from shared.schema.records import Record, of
 from shared.spatial import Array, skew
 
 LARGEST_CONDITION = 30.0  # [1] above it the readings' errors come out thirty times as large in the unknowns
@@ -32,35 +33,22 @@ class NotExciting(ValueError):
     """The poses do not determine the unknowns; the text says which motion is missing."""
 
 
-@dataclass(frozen=True)
-class IdentifiedPayload:
-    """Result, sensor axes; the fields ``sigma_*`` are standard deviations of the fields before them.
+class IdentifiedPayload(Record):
+    """The result in sensor axes; ``sigma_*`` are standard deviations. A payload file holds these fields."""
 
-    Attributes:
-        mass: [kg].
-        com: centre of mass (3,) [m] from the sensor's origin.
-        force_bias: (3,) [N].
-        torque_bias: (3,) [Nm].
-        residual_rms: (6,) [N, Nm] over the poses.
-        residual_peak: (6,) [N, Nm] over the poses.
-        noise: (6,) [N, Nm] bound on the noise of one reading.
-        condition: the larger condition number of the two scaled problems.
-        poses: how many were used.
-    """
-
-    mass: float
-    com: Array
-    force_bias: Array
-    torque_bias: Array
-    sigma_mass: float
-    sigma_com: Array
-    sigma_force_bias: Array
-    sigma_torque_bias: Array
-    residual_rms: Array
-    residual_peak: Array
-    noise: Array
-    condition: float
-    poses: int
+    mass: float = of(Number("kg", above=0.0))
+    com: Array = of(Vector("m", "centre of mass from the sensor's origin"))
+    force_bias: Array = of(Vector("N"))
+    torque_bias: Array = of(Vector("Nm"))
+    sigma_mass: float = of(Number("kg", minimum=0.0))
+    sigma_com: Array = of(Vector("m", minimum=0.0))
+    sigma_force_bias: Array = of(Vector("N", minimum=0.0))
+    sigma_torque_bias: Array = of(Vector("Nm", minimum=0.0))
+    residual_rms: Array = of(Vector("N, Nm", "over the poses", size=6, minimum=0.0))
+    residual_peak: Array = of(Vector("N, Nm", "over the poses", size=6, minimum=0.0))
+    noise: Array = of(Vector("N, Nm", "bound on the noise of one reading", size=6, minimum=0.0))
+    condition: float = of(Number(doc="the larger condition number of the two scaled problems"))
+    poses: int = of(Integer(doc="how many were used"))
 
     def compensation(self) -> Compensation:
         """What to subtract from readings, with bounds on its error."""

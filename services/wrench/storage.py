@@ -7,20 +7,18 @@ An entry belongs to one run of the robot process, named by the session of its sa
 from __future__ import annotations
 
 import json
-import math
 import tomllib
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from services.wrench.compensation import Compensation
 from services.wrench.identification import IdentifiedPayload
 from shared.loop.files import write_whole
 from shared.parameters import Refused
+from shared.schema.fields import InvalidField, Text
+from shared.schema.records import Record, RecordOf, of
 
-_ENTRIES = 8
+_ENTRIES = 8  # runs of the robot process of which the journal is kept
 
 
 def save_payload(path: Path, result: IdentifiedPayload) -> None:
@@ -30,9 +28,7 @@ def save_payload(path: Path, result: IdentifiedPayload) -> None:
         Refused: if the file cannot be written.
     """
     lines = ["# Weight beyond the force-torque sensor and the sensor's bias: SI units, sensor axes."]
-    for item in fields(result):
-        value = getattr(result, item.name)
-        lines.append(f"{item.name} = {value.tolist() if isinstance(value, np.ndarray) else value}")
+    lines += [f"{name} = {value}" for name, value in result.to_plain().items()]
     try:
         write_whole(path, "\n".join(lines) + "\n")
     except OSError as problem:
@@ -46,39 +42,20 @@ def load_payload(path: Path) -> IdentifiedPayload:
         Refused: if there is no such file or it holds something else; one line.
     """
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        return IdentifiedPayload.from_plain(tomllib.loads(path.read_text(encoding="utf-8")))
     except OSError as problem:
         raise Refused(f"payload {path}: {problem.strerror}; `tandem identify` makes such a file") from None
+    except InvalidField as problem:
+        raise Refused(f"payload {path}: {problem}; make the file anew with `tandem identify`") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
         raise Refused(f"payload {path}: not TOML ({problem})") from None
-    sizes = {"residual_rms": 6, "residual_peak": 6, "noise": 6}
-    scalars = ("mass", "sigma_mass", "condition", "poses")
-    values: dict[str, Any] = {}
-    for item in fields(IdentifiedPayload):
-        if item.name not in content:
-            raise Refused(
-                f"payload {path}: {item.name} is missing; make the file anew with `tandem identify`"
-            )
-        size = 0 if item.name in scalars else sizes.get(item.name, 3)
-        values[item.name] = _numbers(path, item.name, content[item.name], size)
-    if values["mass"] <= 0.0:
-        raise Refused(f"payload {path}: mass is {values['mass']} kg, wanted more than 0 kg")
-    return IdentifiedPayload(**values)
 
 
-def _numbers(path: Path, name: str, value: Any, size: int) -> Any:
-    numbers = value if isinstance(value, list) else [value]
-    good = all(
-        isinstance(number, (int, float)) and not isinstance(number, bool) and math.isfinite(number)
-        for number in numbers
-    )
-    negative = name.startswith(("sigma", "residual", "noise")) and good and min(numbers, default=0) < 0
-    if not good or negative or len(numbers) != (size or 1) or isinstance(value, list) != (size > 0):
-        kind = f"{size} numbers" if size else "a number"
-        raise Refused(
-            f"payload {path}: {name} is {value!r}, wanted {kind}{', not negative' if negative else ''}"
-        )
-    return np.array(numbers, dtype=float) if size else value
+class _Entry(Record):
+    """What was in force in one run of the robot process."""
+
+    payload: str = of(Text(longest=4096, doc="value of the parameter of that name"))
+    compensation: Compensation = of(RecordOf(record=Compensation))
 
 
 class Journal:
@@ -112,41 +89,25 @@ class Journal:
         """
         if self._path is None:
             return
-        plain = {
-            item.name: value.tolist() if isinstance(value, np.ndarray) else value
-            for item in fields(compensation)
-            for value in (getattr(compensation, item.name),)
-        }
+        entry = _Entry(payload, compensation).to_plain()
         entries = self._entries()
         entries.pop(str(session), None)
         kept = dict(list(entries.items())[1 - _ENTRIES :])
         try:
-            write_whole(
-                self._path, json.dumps({**kept, str(session): {"payload": payload, "compensation": plain}})
-            )
+            write_whole(self._path, json.dumps({**kept, str(session): entry}))
             self.problem = ""
         except OSError as problem:
-            self.problem = (
-                f"cannot write {self._path} ({problem.strerror}): a restart will have to tare again"
-            )
+            text = f"cannot write {self._path} ({problem.strerror})"
+            self.problem = f"{text}: a restart will have to tare again"
 
     def recall(self, session: int, payload: str) -> Compensation | None:
         """What was in force for this run of the robot process under this configuration, or None."""
-        entry = self._entries().get(str(session))
-        if not isinstance(entry, dict) or entry.get("payload") != payload:
+        plain = self._entries().get(str(session))
+        if not isinstance(plain, dict):
             return None
         try:
-            plain = entry["compensation"]
-            arrays: dict[str, Any] = {
-                name: np.array(value, dtype=float) if isinstance(value, list) else value
-                for name, value in plain.items()
-            }
-            recalled = Compensation(**arrays)
-            blank = Compensation()
-            for item in fields(blank):
-                if np.shape(getattr(recalled, item.name)) != np.shape(getattr(blank, item.name)):
-                    raise ValueError(item.name)
-        except (KeyError, TypeError, ValueError, AttributeError) as problem:
+            entry = _Entry.from_plain(plain)
+        except InvalidField as problem:
             self.problem = f"{self._path} holds no compensation ({problem}): starting without the last tare"
             return None
-        return recalled
+        return entry.compensation if entry.payload == payload else None

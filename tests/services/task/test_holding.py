@@ -230,7 +230,7 @@ def test_a_tool_that_points_down_is_not_carried_on_with() -> None:
 def test_carrying_on_it_has_the_same_home_although_the_tool_was_pulled_away_meanwhile() -> None:
     """With the arm stretched it could not set the panel down."""
     play = lifted()
-    home = play.machine.entry(None).home
+    home = play.machine.entry(None).home_pose
     play.machine.command("abort")
     play.tick()
     play.toy.tool = Pose(play.toy.tool.position + np.array((0.15, 0.0, 0.0)), play.toy.tool.rotation)

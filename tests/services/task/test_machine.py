@@ -89,7 +89,7 @@ def test_turned_back_while_set_down_it_is_carried_on() -> None:
 
 def test_a_panel_on_the_ground_is_neither_dragged_home_nor_pressed_upright() -> None:
     play = Play().reach(State.RELEASING)
-    home = play.machine.entry(None).home
+    home = play.machine.entry(None).home_pose
     tool = play.toy.tool
     aside = np.array((0.04, -0.05, 0.0))
     play.toy.tool = tool = Pose(
