@@ -51,7 +51,6 @@ class Caps:
         self.force = [0.0] * 3
         self.wall = self.start = self.room = self.most = self.threshold = [0.0] * 6
         self.levels = np.zeros((3, 12))
-        self._levels_beyond = np.zeros((3, 12))
         self._kept = np.zeros(12)
 
     def update(self, limit: Array, error_bound: Array) -> None:
@@ -80,9 +79,7 @@ class Caps:
         self.threshold = self.start if self._rho < 1.0 else self.wall
         # rho_i = max(reserve W_i, 3 eps_i): a smaller one would vanish in the measurement's error.
         self._kept = np.tile(np.maximum(self._reserve * W, 3.0 * error_bound), 2)
-        self.levels = self._fill(
-            np.empty((3, 12)), self.rounded([0.0] * 6) if self._rho < 1.0 else W.tolist()
-        )
+        self.levels = self._levels(self.rounded([0.0] * 6) if self._rho < 1.0 else W.tolist())
 
     def rounded(self, h: list[float]) -> list[float]:
         """Caps (6,) ``A_i = min(C_i, theta_i + X_i sqrt(h_i^2 + left/6))``, ``left = max(0, 1 - |h|^2)``."""
@@ -94,9 +91,10 @@ class Caps:
 
     def levels_at(self, h: list[float]) -> Array:
         """The levels (3, 12) of the rounded form while axes are beyond their thresholds by ``h`` (6,)."""
-        return self._fill(self._levels_beyond, self.rounded(h))
+        return self._levels(self.rounded(h))
 
-    def _fill(self, levels: Array, cap: list[float]) -> Array:
+    def _levels(self, cap: list[float]) -> Array:
+        levels = np.empty((3, 12))
         levels[:2] = cap + cap
         np.subtract(levels[0], self._kept, out=levels[2])
         return levels

@@ -165,3 +165,41 @@ class StiffnessBound:
         self.rows = self.matrix.tolist()
         self.roots = np.sqrt(self.matrix.diagonal()).tolist()
         self.version += 1
+
+    def largest(self, axes: Sequence[int], scale: Sequence[float]) -> float:
+        """Bound on the largest eigenvalue of ``x^-1 K x^-1`` on some axes, over all contacts that are declared.
+
+        Per zone ``kappa m lambda_max(J_P x_P^-2 J_P')`` at the corner of the reach: the eigenvalue is convex in r, and
+        the corners differ by reflections, which leave it unchanged. The geometric part G adds its largest row sum.
+        """
+        weight = [1.0 / scale[i] ** 2 if i in axes else 0.0 for i in range(6)]
+        ax, ay, az, bx, by, bz = weight
+        total = 0.0
+        for zone, (x, y, z) in zip(self.zones, self.reaches, strict=True):
+            total += (
+                zone.stiffness
+                * zone.amplification
+                * _largest_eigenvalue(
+                    ax + by * z * z + bz * y * y,
+                    ay + bx * z * z + bz * x * x,
+                    az + bx * y * y + by * x * x,
+                    -bz * x * y,
+                    -by * x * z,
+                    -bx * y * z,
+                )
+            )
+        G = self.geometric_rows
+        return total + max(sum(G[i][j] / scale[j] for j in axes) / scale[i] for i in axes)
+
+
+def _largest_eigenvalue(xx: float, yy: float, zz: float, xy: float, xz: float, yz: float) -> float:
+    """Largest eigenvalue of a symmetric 3x3 matrix, in closed form (the trigonometric solution of its cubic)."""
+    off = xy * xy + xz * xz + yz * yz
+    mean = (xx + yy + zz) / 3.0
+    dx, dy, dz = xx - mean, yy - mean, zz - mean
+    spread = math.sqrt((dx * dx + dy * dy + dz * dz + 2.0 * off) / 6.0)
+    if spread <= 1e-12 * mean:
+        return mean + spread
+    determinant = dx * (dy * dz - yz * yz) - xy * (xy * dz - yz * xz) + xz * (xy * yz - dy * xz)
+    cosine = min(1.0, max(-1.0, determinant / (2.0 * spread**3)))
+    return mean + 2.0 * spread * math.cos(math.acos(cosine) / 3.0)

@@ -17,8 +17,16 @@ _FORGETTING = 1.01
 _NONE = np.zeros(12)
 SENSES = np.vstack((-np.eye(6), np.eye(6)))
 """(12, 6), takes a motion's elements to the twelve directions; the negative ones are its motion the other way."""
+GROW, FALL = slice(0, 6), slice(6, 12)
+"""The directions that make the wrench's axes grow, along -x, -y, -z and about them, and those that make them fall."""
+
 _INSTANT = 1e-9
 """Times closer than this [s] are equal."""
+
+
+def directed(twist: Array) -> Array:
+    """The speeds (12,) [m/s, rad/s] of a twist (6,) in the twelve directions, each >= 0."""
+    return np.maximum(SENSES.dot(twist), 0.0)
 
 
 class TravelInFlight:

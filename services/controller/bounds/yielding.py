@@ -202,7 +202,7 @@ class RoundedYield(Yielding):
         pressed = [i for i in range(6) if self.distance[i] > 0.0] or range(6)
         bound, caps, scale = state.bound, state.caps, state.bound.roots
         hidden = _ERRORS * _norm(caps.errors, scale, pressed) + _ROOM * _norm(caps.room, scale, pressed)
-        stiffest = largest_stiffness(bound, pressed, scale)
+        stiffest = bound.largest(pressed, scale)
         return self._softness.step(
             state.wrench, state.displacement, scale, stiffest, hidden, state.response_time, state.dt
         )
@@ -227,7 +227,7 @@ def down_the_gradient(
     slope = [math.copysign(excess[i] / scale[i] ** 2, wrench[i]) for i in range(6)]
     joined = list(pressed)
     while True:
-        gain = 1.0 / (largest_stiffness(bound, joined, scale) * response_time)
+        gain = 1.0 / (bound.largest(joined, scale) * response_time)
         y = [gain * value for value in slope]
         turned = [
             j
@@ -239,42 +239,3 @@ def down_the_gradient(
         if not turned:
             return y
         joined += turned
-
-
-def largest_stiffness(bound: StiffnessBound, axes: Sequence[int], room: Vector) -> float:
-    """Bound on the largest eigenvalue of ``X^-1 K X^-1`` on some axes, over all contacts that are declared.
-
-    Per zone ``kappa m lambda_max(J_P X_P^-2 J_P')`` at the corner of the reach: the eigenvalue is convex in r, and the
-    corners differ by reflections, which leave it unchanged. The geometric part G adds its largest row sum.
-    """
-    weight = [1.0 / room[i] ** 2 if i in axes else 0.0 for i in range(6)]
-    ax, ay, az, bx, by, bz = weight
-    total = 0.0
-    for zone, (x, y, z) in zip(bound.zones, bound.reaches, strict=True):
-        total += (
-            zone.stiffness
-            * zone.amplification
-            * _largest_eigenvalue(
-                ax + by * z * z + bz * y * y,
-                ay + bx * z * z + bz * x * x,
-                az + bx * y * y + by * x * x,
-                -bz * x * y,
-                -by * x * z,
-                -bx * y * z,
-            )
-        )
-    G = bound.geometric_rows
-    return total + max(sum(G[i][j] / room[j] for j in axes) / room[i] for i in axes)
-
-
-def _largest_eigenvalue(xx: float, yy: float, zz: float, xy: float, xz: float, yz: float) -> float:
-    """Largest eigenvalue of a symmetric 3x3 matrix, in closed form (the trigonometric solution of its cubic)."""
-    off = xy * xy + xz * xz + yz * yz
-    mean = (xx + yy + zz) / 3.0
-    dx, dy, dz = xx - mean, yy - mean, zz - mean
-    spread = math.sqrt((dx * dx + dy * dy + dz * dz + 2.0 * off) / 6.0)
-    if spread <= 1e-12 * mean:
-        return mean + spread
-    determinant = dx * (dy * dz - yz * yz) - xy * (xy * dz - yz * xz) + xz * (xy * yz - dy * xz)
-    cosine = min(1.0, max(-1.0, determinant / (2.0 * spread**3)))
-    return mean + 2.0 * spread * math.cos(math.acos(cosine) / 3.0)

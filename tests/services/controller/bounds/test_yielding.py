@@ -14,7 +14,6 @@ from services.controller.bounds.yielding import (
     StrictYield,
     Yielding,
     YieldInput,
-    largest_stiffness,
     scaled_into,
 )
 from tests.services.controller.contacts import ERROR, LIMIT, jacobian, tangent
@@ -55,7 +54,7 @@ def test_strict_form_is_the_formula(bound: StiffnessBound) -> None:
     wrench = np.array((12.0, -13.0, 5.0, 0.0, 3.5, 0.0))
     y = np.array(StrictYield().step(state(wrench.tolist(), c, bound, [10.0] * 6, DT)))
     K, wall = bound.matrix, np.array(c.wall)
-    stiffness = largest_stiffness(bound, [0, 1, 4], bound.roots)
+    stiffness = bound.largest([0, 1, 4], bound.roots)
     for i in range(6):
         excess = max(0.0, abs(wrench[i]) - wall[i])
         expected = np.sign(wrench[i]) * excess / (K[i, i] * stiffness * D)
@@ -101,7 +100,7 @@ def test_largest_stiffness_is_the_eigenvalue_at_the_corner() -> None:
         axes = sorted(rng.choice(6, rng.integers(1, 7), replace=False).tolist())
         room = rng.uniform(0.1, 5.0, 6)
         expected = ZONE.stiffness * exact(bound.reaches[0], axes, room)
-        assert largest_stiffness(bound, axes, room.tolist()) == pytest.approx(expected, rel=1e-9)
+        assert bound.largest(axes, room.tolist()) == pytest.approx(expected, rel=1e-9)
 
 
 def test_no_contact_is_stiffer_than_the_largest_stiffness() -> None:
@@ -117,7 +116,7 @@ def test_no_contact_is_stiffer_than_the_largest_stiffness() -> None:
             K = tangent(rng, ZONE.stiffness * share, 0.0)
             total += J.T @ K @ J
         scaled = total[np.ix_(axes, axes)] / np.outer(room[axes], room[axes])
-        assert np.linalg.eigvalsh(scaled)[-1] <= largest_stiffness(bound, axes, room.tolist()) * (1 + 1e-9)
+        assert np.linalg.eigvalsh(scaled)[-1] <= bound.largest(axes, room.tolist()) * (1 + 1e-9)
 
 
 def test_rounded_form_begins_at_its_threshold_and_follows_the_gradient(bound: StiffnessBound) -> None:

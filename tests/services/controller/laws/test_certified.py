@@ -68,7 +68,7 @@ def test_rows_hold_for_any_input(yield_start: float) -> None:
         )
         output = law.step(given, 0.01)
         assert output.failure is None
-        y = law._y.copy()
+        y = law.y.copy()
         assert violation(law, law.travel.in_flight, y, output.twist, wrench) <= 1e-9
         moved += bool(np.abs(output.twist).max() > 1e-3)
     assert moved > 150
@@ -97,8 +97,8 @@ def test_rows_hold_whatever_the_solver_answers(
         assert np.isfinite(output.twist).all()
         if output.failure is not None:
             assert law.last_failure["reason"] == output.failure and law.last_failure["rows"]
-            assert output.twist == pytest.approx(law._y), "what is left without a solver is the retreat"
-        assert violation(law, law.travel.in_flight, law._y, output.twist, wrench) <= 1e-9
+            assert output.twist == pytest.approx(law.y), "what is left without a solver is the retreat"
+        assert violation(law, law.travel.in_flight, law.y, output.twist, wrench) <= 1e-9
 
 
 def test_a_failed_solve_in_free_space_rests() -> None:
@@ -226,9 +226,9 @@ def test_yielding_at_rest_keeps_its_direction_or_what_the_rows_leave_of_it() -> 
         law = make(yield_start=0.8, **slow)
         law.step(state(wrench * LIMIT * 0.86), 0.01)
         free = unhindered(law, wrench * LIMIT * 0.86)
-        if free is not None and law._y.any():
+        if free is not None and law.y.any():
             kept += 1
-            assert law._y / np.linalg.norm(law._y) == pytest.approx(
+            assert law.y / np.linalg.norm(law.y) == pytest.approx(
                 np.array(free) / np.linalg.norm(free), abs=1e-9
             )
     assert kept > 50
@@ -246,14 +246,14 @@ def test_yielding_at_rest_keeps_the_rows_with_everything_in_flight() -> None:
         law.step(state(wrench), 0.01)
         if law._yielding.moved:
             continue
-        y = np.concatenate((-law._y, law._y)).clip(min=0.0)
+        y = np.concatenate((-law.y, law.y)).clip(min=0.0)
         most = np.tile(law.caps.most, 2)
         # What was in flight before this command: the rows were set with it.
         flight = law.travel.in_flight
-        room = most - np.concatenate((wrench, -wrench)) - law._M @ flight
-        assert np.all(law.parameters.period * law._M @ y <= np.maximum(room, 0.0) + 1e-9)
+        room = most - np.concatenate((wrench, -wrench)) - law.rows.M @ flight
+        assert np.all(law.parameters.period * law.rows.M @ y <= np.maximum(room, 0.0) + 1e-9)
         free = unhindered(law, wrench)
-        shortened += free is not None and not np.allclose(law._y, free)
+        shortened += free is not None and not np.allclose(law.y, free)
     assert shortened > 20
 
 
