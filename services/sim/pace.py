@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-KEEPS_UP = 0.95
-"""Share of the wanted pace below which the simulation says that it cannot keep up."""
+KEEPS_UP = 0.95  # of the wanted pace, below which the simulation says that it cannot keep up
 
 
 class Ticks:

@@ -80,14 +80,14 @@ def test_push_acts_on_the_tool_for_its_duration(sim: Robot) -> None:
 def test_hand_acts_out_a_script(sim: Robot, script: str, doing: str) -> None:
     assert world(sim).hand is None
     command(sim, "hand", script=script)
-    shows(sim, lambda world: world.hand and world.hand.doing == doing, f"he does {doing}")
+    shows(sim, lambda world: world.hand and world.hand.doing == doing, f"the person does {doing}")
     if doing == "lift":
-        shows(sim, lambda world: world.hand.force[2] > 5.0, "he carries his share")
+        shows(sim, lambda world: world.hand.force[2] > 5.0, "the person carries their share")
 
 
 def test_hand_is_guided_to_a_target(sim: Robot) -> None:
     command(sim, "hand", target=list(GUIDED))
-    shows(sim, lambda world: world.hand and np.allclose(world.hand.wanted, GUIDED), "he wants it there")
+    shows(sim, lambda world: world.hand and np.allclose(world.hand.wanted, GUIDED), "they are to be there")
     shows(sim, lambda world: world.hand.position[2] > 0.85, "the far end is lifted")
 
 

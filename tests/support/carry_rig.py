@@ -75,7 +75,7 @@ class CarryRig:
     def person(self, doing: str) -> None:
         """Go on until the person is about something."""
         self.stack.run(LONGEST, done=lambda: self.doing == doing)
-        assert self.doing == doing, f"he is still about {self.doing}, the task {self.task.reason}"
+        assert self.doing == doing, f"the person is still about {self.doing}, the task {self.task.reason}"
 
     def carry_up_to(self, doing: str) -> None:
         """Go on until the panel is carried and the person is about something."""

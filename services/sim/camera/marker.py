@@ -13,12 +13,10 @@ DICT_4X4_50 = bytes.fromhex(
 )
 """The inner 4 x 4 cells of each marker in two bytes, row by row, most significant bit first, 1 = white: OpenCV's
 dictionary."""
-CELLS = 6
-"""Cells along each side: four of them inner ones, and the black border."""
-MARGIN = 1.0
-"""Width of the white margin, in cells. Without it nobody finds the marker on a dark background."""
+CELLS = 6  # along each side: four inner ones, and the black border
+MARGIN = 1.0  # [cells] of the white around it: without it nobody finds the marker on a dark background
 ROTATION: Array = np.array(((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
-"""Of the marker's frame (x right, y up, z towards who looks at it) in the panel's: upright for the robot."""
+"""Rotation of the marker's frame (x right, y up, z towards who looks at it) in the panel's: upright for the robot."""
 
 
 def black(identity: int) -> np.ndarray:

@@ -11,7 +11,7 @@ from shared.spatial import Array
 
 FOAM: Colour = (0.55, 0.68, 0.82, 1.0)
 PLATE, INK = 0.0001, 0.0002
-"""Heights [m] of the marker's white and of its black above the panel: enough for the renderer to tell them apart as
+"""[m] Heights of the marker's white and of its black above the panel: enough for the renderer to tell them apart as
 near as the head is."""
 
 

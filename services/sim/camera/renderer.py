@@ -15,13 +15,11 @@ from services.sim.camera.view import FOCAL_LENGTH, HEIGHT, WIDTH, Scenery, View
 from services.sim.scene.panel import SUPPORTS
 from shared.spatial import rotation_from_vector
 
-BACKGROUND = (184, 184, 178)
-"""Colour of the floor and of everything else far away. To render a floor takes longer than all the rest."""
+BACKGROUND = (184, 184, 178)  # of floor and all else: to render a floor takes longer than all the rest
 NEAR, FAR = 0.05, 8.0  # [m] of what is drawn
 QUALITY = 90  # of the JPEG images
 LIGHT_FROM = (-1.0, -2.0, 4.0)
-_BEAM = 0.03
-"""Height [m] of a trestle's upper beam."""
+_BEAM = 0.03  # [m] of a trestle's upper beam
 
 
 class Renderer:

@@ -10,14 +10,13 @@ import numpy as np
 
 from shared.spatial import Array
 
-WIDTH, HEIGHT = 640, 480
+WIDTH, HEIGHT = 640, 480  # [px]
 FIELD_OF_VIEW = math.radians(63.0)
-"""Horizontal [rad]; like the size that of the camera in PAL Robotics' simulation of TIAGo (see NOTICE)."""
-FOCAL_LENGTH = 0.5 * WIDTH / math.tan(0.5 * FIELD_OF_VIEW)
-"""[px]"""
+"""[rad] Horizontal; it and the size are those of the camera in PAL Robotics' simulation of TIAGo (see NOTICE)."""
+FOCAL_LENGTH = 0.5 * WIDTH / math.tan(0.5 * FIELD_OF_VIEW)  # [px]
 INTRINSICS = (FOCAL_LENGTH, FOCAL_LENGTH, 0.5 * WIDTH, 0.5 * HEIGHT - 1.0)
-"""fx, fy, cx, cy [px]; the middle of the first pixel is at (0, 0). The renderer looks at the lower left corner of each
-pixel and not at its middle, as ``test_camera.py`` measures, which is why cx and cy are not those of a real camera."""
+"""[px] fx, fy, cx, cy; the middle of the first pixel is at (0, 0). The renderer looks at the lower left corner of each
+pixel, not at its middle, as ``test_head_camera.py`` measures: cx and cy are not those of a real camera."""
 
 
 @dataclass(frozen=True)

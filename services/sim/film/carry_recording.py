@@ -62,7 +62,7 @@ class Moment:
         looking: whether the head camera is in use.
         hands: where the person holds the panel (3,) [m].
         hands_force: of the person on the panel (3,) [N].
-        holding: 1 with the person's hands on the panel, 0 with his arms hanging.
+        holding: 1 with the person's hands on the panel, 0 with hanging arms.
         force: of the panel on the gripper (3,) [N].
         wrench, limit: (6,) [N, Nm] in base; NaN if there is no limit yet.
         caption: what happens, for people.

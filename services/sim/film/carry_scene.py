@@ -81,7 +81,7 @@ class CarryScene:
         return hull(corners[:, :2])
 
     def _stand_by(self, moment: Moment) -> Array:
-        """Put the person at the panel's far edge; where he stands (2,) [m]."""
+        """Put the person at the panel's far edge; returns where that is (2,) [m]."""
         outward = moment.panel_rotation[:, 0] * (1.0, 1.0, 0.0)
         outward /= max(1e-6, float(np.linalg.norm(outward)))
         stance = posture(moment.hands, moment.panel_rotation[:, 1], outward, moment.holding)

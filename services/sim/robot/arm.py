@@ -15,24 +15,22 @@ from shared.constants import GRAVITY
 from shared.robot.tiago import CHAIN
 from shared.spatial import Array
 
-TORSO_WEIGHT = 10.0
-"""Cost of the torso's speed [m/s] relative to that of an arm joint [rad/s]."""
-LOWEST_TOOL = 0.3
-"""Height [m] of the tool at which the torso is all the way down; in between it shares the way with the arm."""
+TORSO_WEIGHT = 10.0  # [1] cost of the torso's speed [m/s] relative to that of an arm joint [rad/s]
+LOWEST_TOOL = 0.3  # [m] of the tool's height at which the torso is all the way down; above they share the way
+TORSO_BOTTOM = 0.01  # [m] of the torso all the way down
+TORSO_MARGIN, ARM_MARGIN = 0.003, 0.01  # [m, rad] from their position limits, where the joints stand still
 SLACK = 0.02
-"""Farthest [rad, m] that a set-point runs ahead of a joint that cannot follow because its effort is at the limit."""
-TORSO_BOTTOM = 0.01
-TORSO_MARGIN, ARM_MARGIN = 0.003, 0.01
-"""Distance [m, rad] from their position limits at which the joints stand still."""
+"""[rad, m] Farthest that a set-point runs ahead of a joint that cannot follow because its effort is at the limit."""
 GRIPPER_CENTRE = -0.0635
-"""Centre of mass [m] of what is beyond the force-torque sensor, along the tool's x axis. What the arm feels of the
+"""[m] Centre of mass of what is beyond the force-torque sensor, along the tool's x axis. What the arm feels of the
 base's turning is worked out there, and taken for the same all along the arm: only its motors notice."""
-DRIVE_LAG = 0.015
-"""Time constant [s] of the drives: the tool's twist follows the commanded one as a first-order lag."""
-AT_REST = 1e-5
-"""Joint speed [m/s, rad/s] that counts as none, so that the arm comes to rest in finite time."""
-IK_PERIOD = 0.01
-"""Time [s] after which an unchanged twist is resolved into joint velocities anew, because the arm has moved."""
+DRIVE_LAG = (
+    0.015  # [s] time constant of the drives: the tool follows its commanded twist as a first-order lag
+)
+AT_REST = 1e-5  # [m/s, rad/s] of a joint that count as none, so that the arm comes to rest in finite time
+IK_PERIOD = (
+    0.01  # [s] after which an unchanged twist is resolved into joint velocities anew: the arm has moved
+)
 _STANDING = [0.0] * len(CHAIN)
 
 

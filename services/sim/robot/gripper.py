@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from shared.robot.tiago import FINGER_EFFORT, FINGER_SPEED
 
-EASE_ABOVE = 0.3
-"""Force [N] beyond the effort on both fingers at which the drives ease off."""
-EASE_SPEED = 0.002
-"""Speed [m/s] at which they do."""
+EASE_ABOVE = 0.3  # [N] beyond the effort on both fingers at which the drives ease off
+EASE_SPEED = 0.002  # [m/s] at which the drives ease off
 
 
 class Gripper:

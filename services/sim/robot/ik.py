@@ -22,21 +22,13 @@ import piqp
 
 from shared.spatial import Array
 
-APPROACH_RATE = 10.0
-"""Speed [1/s] allowed per distance left to the limit."""
-POSTURE_RATE = 1.0
-"""Rate [1/s] at which the redundancy returns to the reference posture."""
-POSTURE_SPEED = 0.3
-"""Largest speed [rad/s, m/s] wanted for that."""
-MOVING = 0.02
-"""Twist magnitude [m/s] below which the posture's pull fades out with the twist."""
-ANGULAR_LENGTH = 0.3
-"""Length [m] that makes an angular velocity comparable to a linear one."""
-EFFORT_WEIGHT = 0.1
-POSTURE_WEIGHT = 1.0
-PRICE = 1000.0
-"""c: square of the joint speed per tool speed [rad/m] above which the twist is slowed down."""
-
+APPROACH_RATE = 10.0  # [1/s] of speed allowed per distance left to the limit
+POSTURE_RATE = 1.0  # [1/s] at which the redundancy returns to the reference posture
+POSTURE_SPEED = 0.3  # [rad/s, m/s] wanted at most for that return
+MOVING = 0.02  # [m/s] of the twist below which the posture's pull fades out with it
+ANGULAR_LENGTH = 0.3  # [m] that makes an angular velocity comparable to a linear one
+EFFORT_WEIGHT, POSTURE_WEIGHT = 0.1, 1.0  # [1] a and b
+PRICE = 1000.0  # [rad2/m2] c: square of the joint speed per tool speed above which the twist is slowed down
 
 _REGULARISATION = 1e-12 * np.eye(6)
 
@@ -51,11 +43,13 @@ class Solution:
 
 
 class DifferentialIK:
-    """Args:
-    lower, upper, speed: position limits [rad, m] and speed limits [rad/s, m/s] of the joints, (n,) each.
-    margin: distance [rad, m] from a position limit at which a joint stands still, (n,).
-    names: the joints' names, for reports.
-    weight: relative cost (n,) of the joints' speeds.
+    """The problem above for one arm.
+
+    Args:
+        lower, upper, speed: position limits [rad, m] and speed limits [rad/s, m/s] of the joints, (n,) each.
+        margin: distance [rad, m] from a position limit at which a joint stands still, (n,).
+        names: the joints' names, for reports.
+        weight: W, relative cost (n,) of the joints' speeds.
     """
 
     def __init__(

@@ -14,17 +14,16 @@ from shared.constants import GRAVITY
 from shared.robot.tiago import CHAIN, SENSOR_JOINT
 from shared.spatial import Array
 
-SOLVER_ITERATIONS = 15
-"""With as many the motors give way by 3e-5 m at the tool under 28 N."""
+SOLVER_ITERATIONS = 15  # with as many the motors give way by 3e-5 m at the tool under 28 N
 FRICTION = np.array([0.0] + [1.0] * (len(CHAIN) - 1))
-"""Friction of the gears [N, Nm]: it helps to hold a joint still, and is not part of the motor's effort."""
+"""[N, Nm] Friction of the gears: it helps to hold a joint still, and is not part of the motor's effort."""
 SLIP_DAMPING = (0.0, 10.0, 10.0, 8.0, 8.0, 4.0, 2.0, 0.3)
-"""Resistance [Nm s/rad] of the gears of a joint that is pushed away: it gives way slowly instead of collapsing. Towards
+"""[Nm s/rad] Resistance of the gears of a joint that is pushed away: it gives way slowly instead of collapsing. Towards
 the hand it is as much as an explicit damper on so little inertia may have."""
-SLIPPING = 2e-3
-"""Difference [m/s, rad/s] between a joint's speed and its set-point's above which it counts as pushed away."""
-POSITION_GAIN = 0.1
-"""Share of a position error that a motor removes per step: 20 ms at 500 Hz."""
+SLIPPING = (
+    2e-3  # [m/s, rad/s] between a joint's speed and its set-point's above which it counts as pushed away
+)
+POSITION_GAIN = 0.1  # [1] share of a position error that a motor removes per step: 20 ms at 500 Hz
 
 
 class Physics:

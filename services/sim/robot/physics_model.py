@@ -18,10 +18,11 @@ from shared.robot.tiago import CHAIN, SENSOR_JOINT, URDF
 from shared.spatial import rpy_from_rotation
 
 ROTOR = 0.005
-"""Inertia [kg m2] of the wrist's rotors as their gears reflect it: one of 5e-7 kg m2 behind a gear of 100. Without it
+"""[kg m2] Inertia of the wrist's rotors as their gears reflect it: one of 5e-7 kg m2 behind a gear of 100. Without it
 the hand would be so light that a joint whose motor gives way shakes in steps of 2 ms, held panel or not."""
-ROTORS = ("arm_right_5_joint", "arm_right_6_joint", "arm_right_7_joint")
-"""Nobody publishes those of the joints above, and there they are little beside the arm."""
+ROTORS = CHAIN[-3:]
+"""Joints that have a rotor here. Nobody publishes those of the joints above, and there they are little beside the
+arm."""
 
 _KIND = {"JointModelPZ": "prismatic", "JointModelRZ": "revolute"}
 

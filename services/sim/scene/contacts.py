@@ -9,7 +9,7 @@ import numpy as np
 
 from shared.spatial import Array
 
-DAMPING_RATIO = 0.5
+DAMPING_RATIO = 0.5  # [1] of what bounces on one point
 
 
 class PointContacts:

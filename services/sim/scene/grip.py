@@ -23,25 +23,22 @@ from services.sim.scene.rigid_body import RigidBody
 from shared.spatial import Array, cross
 
 STIFFNESS, ANGULAR_STIFFNESS = 5000.0, 100.0
-"""[N/m, Nm/rad] of wrist, fingers and foam: those of the wrist in the quick model of the carry (docs/task.md)."""
+"""[N/m, Nm/rad] Of wrist, fingers and foam: those of the wrist in the quick model of the carry (docs/task.md)."""
 DAMPING, ANGULAR_DAMPING = 35.0, 1.5
-"""[Ns/m, Nms/rad]: about 0.4 of critical for a panel of 1.5 kg held at one end."""
+"""[Ns/m, Nms/rad] About 0.4 of critical for a panel of 1.5 kg held at one end."""
 PAD_BEGIN, PAD_END = -0.01, 0.10
-"""Where the pads begin, at the palm, and end: along the tool's x axis [m]. The fingers of ``tiago.urdf``."""
-PAD_WIDTH = 0.05
-"""Size [m] of the pads along the tool's z axis; of the same."""
+"""[m] Where the pads begin, at the palm, and end, along the tool's x axis: the fingers of ``tiago.urdf``."""
+PAD_WIDTH = 0.05  # [m] of the pads along the tool's z axis: the fingers of ``tiago.urdf``
 
 # Assumptions, nobody publishes them:
-STRENGTH = 100.0
-"""Force [N] at which the gear of a finger gives way."""
-CONTACT = 1.0
-"""Pressure [N] of each pad from which on it counts as contact."""
-PARALLEL = math.cos(math.radians(20.0))
-"""Faces that are further from parallel to the pads than this are not gripped, but bumped into."""
+STRENGTH = 100.0  # [N] at which the gear of a finger gives way
+CONTACT = 1.0  # [N] of each pad's pressure from which on it counts as contact
+PARALLEL = math.cos(
+    math.radians(20.0)
+)  # faces further from parallel to the pads are bumped into, not gripped
 PIVOT = math.cos(math.radians(60.0))
-"""A panel that has turned between the pads by more than this, about the axis across them, is between them no more."""
-CLEARANCE = 0.002
-"""How much [m] the panel may be wider than the fingers' gap and still slip in between."""
+"""A panel that has turned between the pads by more than this, about the axis across them, is no longer between them."""
+CLEARANCE = 0.002  # [m] by which the panel may be wider than the fingers' gap and still slip in between
 
 
 @dataclass(frozen=True)
@@ -64,7 +61,7 @@ class Pads:
 
 
 def locate(panel: Panel, position: Array, rotation: Array) -> Pads | None:
-    """Where the panel is between the pads of a tool at a position (3,) [m] and rotation (3, 3) in world; None: outside.
+    """Where the panel is between the pads of a tool at a position (3,) [m] and rotation (3, 3) in world, if it is.
 
     The panel is gripped at the edge that it turns towards the robot, the one at its most negative x.
     """
@@ -160,7 +157,7 @@ class Grip:
         return np.array((min(max(push, 0.0), 2.0 * STRENGTH), 0.0, 0.0))
 
     def _held(self, pressure: float, covered: float, twist: Array, dt: float) -> Array:
-        """Force and torque (6,) [N, Nm] on the panel by friction and by the pads' size; the force across is theirs."""
+        """Force and torque (6,) [N, Nm] on the panel by friction and by the pads' size; none across the pads."""
         stretch = self._stretch + twist * dt
         stretch[1] = 0.0
         pull = self._spring * stretch + self._damper * twist

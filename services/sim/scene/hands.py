@@ -10,15 +10,13 @@ from services.sim.scene.panel import Panel
 from shared.spatial import Array, cross, rotation_from_vector, rotation_vector
 
 STIFFNESS, ANGULAR_STIFFNESS = 500.0, 40.0
-"""[N/m, Nm/rad]: with these the quick model of the carry (docs/task.md) was made."""
-DAMPING_RATIO = 0.7
-"""Of that model too."""
-INSET = 0.03
-"""How far [m] from the edge the hands hold it; an assumption: half a palm."""
+"""[N/m, Nm/rad] Of the arms, as in the quick model of the carry (docs/task.md)."""
+DAMPING_RATIO = 0.7  # [1] of the arms, as in the quick model of the carry
+INSET = 0.03  # [m] from the edge, where the hands hold it; an assumption: half a palm
 
 
 class Hands:
-    """What they do to the panel follows from where they want to be and where it is.
+    """What the hands do to the panel follows from where they want to be and where it is.
 
     Attributes:
         holding: whether they hold the panel.
@@ -51,18 +49,21 @@ class Hands:
         self._before = self.position, self.rotation
 
     def wish(self, panel: Panel) -> tuple[Array, Array]:
-        """Where they want to be (3,) [m] and the panel to be turned (3, 3), in world; where both are if they let go."""
+        """Where the hands want to be (3,) [m] and how the panel is to be turned (3, 3), in world.
+
+        Hands that have let go want it as it is.
+        """
         return (self.position, self.rotation) if self.holding else (self.place, panel.body.rotation)
 
     def ease(self, panel: Panel, share: float) -> None:
-        """Want a share [0, 1] less of what they do not have."""
+        """Bring where the hands want to be nearer to where they are, by a share [0, 1] of the way."""
         self.lifting *= 1.0 - share
         self.position = self.position + share * (self._on(panel) - self.position)
         left = rotation_vector(panel.body.rotation.dot(self.rotation.T))
         self.rotation = rotation_from_vector(share * left).dot(self.rotation)
 
     def let_go(self) -> None:
-        """Let go of it."""
+        """Let go of the panel."""
         self.holding = False
         self.lifting = 0.0
         self.force: Array = np.zeros(3)

@@ -11,12 +11,10 @@ from services.sim.scene.rigid_body import RigidBody
 from shared.constants import GRAVITY
 from shared.spatial import Array, rotation_from_vector
 
-SUPPORTS = (-0.25, 0.25)
-"""Where the two trestles stand, as shares of the panel's length from its centre."""
-SUPPORT_WIDTH = 0.35
-"""Distance of a trestle's two points of contact from the panel's centre line, as a share of its width."""
+SUPPORTS = (-0.25, 0.25)  # of the panel's length: where the two trestles stand, from its centre
+SUPPORT_WIDTH = 0.35  # of the panel's width: a trestle's two points of contact, from the panel's centre line
 CLEARED = 0.05
-"""How far [m] its centre is lifted when the supports are taken away: turned by 90 degrees it would hit them."""
+"""[m] How far the panel is lifted when the supports are taken away: turned by 90 degrees it would hit them."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +89,7 @@ class Panel:
         return float(np.abs(self.body.rotation[2]).dot(self.half))
 
     def _rest(self, force: Array, torque: Array, dt: float) -> None:
-        """Add what the supports do: points of theirs are inside the panel, not the other way round."""
+        """Add what the supports do, whose points may be inside the panel."""
         body = self.body
         if body.position[2] > self._clear:
             self.supported = False

@@ -1,6 +1,6 @@
 """The simulated person: does one thing after the other with the panel, going by what a person sees and feels.
 
-He sees the panel, both its ends and the robot's fingers, and feels the force and the torque in his hands. He knows
+The person sees the panel, both its ends and the robot's fingers, and feels force and torque in the hands, but knows
 nothing of the robot's targets, forces or states.
 """
 
@@ -18,30 +18,27 @@ from shared.spatial import Array, rotation_from_vector
 
 # Those of the quick model of the carry (docs/task.md):
 ENOUGH_FORCE, ENOUGH_TORQUE = 30.0, 12.0
-"""Resistance [N, Nm] above which he stops going on, and waits for the other end to follow."""
-HIGHER, LEVELLING = 0.01, 0.15
-"""He turns his hands at this rate [rad/s] while the other end is that much [m] higher than his own."""
+"""[N, Nm] Resistance above which the person stops going on, and waits for the other end to follow."""
+HIGHER = 0.01  # [m] by which the other end may be higher than the person's own
+LEVELLING = 0.15  # [rad/s] at which the hands turn to bring a higher end down
 
 # Assumptions of what a careful person does:
-GUIDED_SPEED = 0.15
-"""Speed [m/s] at which his hands go to a target given from outside."""
-WAITING = 0.15
-"""He lowers his end no further while the other end is that much [m] higher than his own."""
-TOUCHING = 0.004
-"""Height [m] of his end of the panel above the ground that looks like none."""
-RELAXING = 0.5
-"""Time [s] in which he takes over or leaves a weight, and time constant with which he eases off before he lets go."""
+GUIDED_SPEED = 0.15  # [m/s] of the hands on their way to a target given from outside
+WAITING = 0.15  # [m] by which the other end is higher when the person's own is lowered no further
+TOUCHING = 0.004  # [m] above the ground that look like none
+RELAXING = (
+    0.5  # [s] for taking over or leaving a weight, and time constant of easing off before the hands let go
+)
 
 
 class Person:
-    """Moves his hands' wishes; what comes of them is up to the hands.
-
-    Attributes:
-        hands: his hands.
-        doing: what he does at present, for people to read; "" if nothing.
+    """Moves where the hands want to be; what comes of it is up to the hands.
 
     Args:
-        hands: his hands, at ease.
+        hands: at ease.
+
+    Attributes:
+        hands: where they want to be, and what they do to the panel.
     """
 
     def __init__(self, hands: Hands) -> None:
@@ -52,12 +49,12 @@ class Person:
 
     @property
     def asked(self) -> bool:
-        """Whether he has been asked to do anything."""
+        """Whether the person has been asked to do anything."""
         return bool(self._phases) or self._target is not None
 
     @property
     def doing(self) -> str:
-        """What he is about, in one word."""
+        """What the person is about, in one word; empty if nothing."""
         if self._target is not None:
             return "guided"
         return self._phases[self._index].do if self._index < len(self._phases) else ""
@@ -76,7 +73,7 @@ class Person:
         """Force (3,) [N] and torque about its centre (3,) [Nm] on the panel, world axes.
 
         Args:
-            panel: what he sees and holds.
+            panel: that the person sees and holds.
             gripped: whether the robot's fingers are closed on it, as anybody can see.
             dt: time [s] since the last call.
         """
@@ -115,7 +112,7 @@ class Person:
             hands.take_hold(panel)
             return True
         if phase.do == "let_go":
-            # Not all at once: what he still presses with would push the panel over.
+            # Not all at once: what the hands still press with would push the panel over.
             hands.ease(panel, dt / RELAXING)
             self._share += dt / (5.0 * RELAXING)
             if self._share >= 1.0:
@@ -153,7 +150,7 @@ class Person:
         return force > ENOUGH_FORCE or torque > ENOUGH_TORQUE
 
     def _lower(self, phase: Phase, panel: Panel, dt: float) -> bool:
-        """Down until his end stands on the ground; then he leaves the weight to it, and levels the other end."""
+        """Down until the own end stands on the ground; then leave the weight to it, and level the other end."""
         hands, body = self.hands, panel.body
         far = body.position + panel.half[0] * body.rotation[:, 0]
         lowest = far[2] - float(np.abs(body.rotation[2, 1:]).dot(panel.half[1:]))

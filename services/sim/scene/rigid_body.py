@@ -8,8 +8,8 @@ from shared.constants import GRAVITY
 from shared.spatial import Array, cross, rotation_from_vector
 
 STEADY = 0.5
-"""Largest damping of one of two that act on a body, in units of inertia / dt, and stiffness, of inertia / dt2: explicit
-steps can follow as long as damping + stiffness / 2 stays below 2 in all."""
+"""Largest damping [inertia / dt] and stiffness [inertia / dt2] of one of two that act on a body: explicit steps can
+follow as long as damping + stiffness / 2 stays below 2 in all."""
 
 
 class RigidBody:
@@ -50,8 +50,9 @@ class RigidBody:
         self.rotation = rotation_from_vector(self.spin * dt).dot(rotation)
 
     def followed(self, stiffness: float, damping: float, dt: float) -> tuple[Array, Array]:
-        """Angular stiffness (3,) [Nm/rad] and damping (3,) [Nms/rad] about the principal axes, no more than steps of
-        ``dt`` [s] can follow: a light and narrow body in stiff hands would else spin up by itself.
+        """Angular stiffness (3,) [Nm/rad] and damping (3,) [Nms/rad] about the principal axes, as far as steps follow.
+
+        A light and narrow body in stiff hands would spin up by itself in steps of ``dt`` [s].
         """
         most = STEADY * self.inertia / dt
         return np.minimum(stiffness, most / dt), np.minimum(damping, most)

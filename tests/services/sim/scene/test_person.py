@@ -72,11 +72,11 @@ def test_a_bounded_vector_keeps_its_direction(vector: tuple[float, ...]) -> None
     assert result @ np.array(vector) >= 0.0
 
 
-def test_on_a_blocked_panel_he_stops_going_on_and_never_exceeds_his_strength() -> None:
+def test_on_a_blocked_panel_the_person_stops_going_on_within_their_strength() -> None:
     bench = Bench(Blocked(SPEC))
     bench.person.guide(np.array((5.0, 5.0, 3.0)))
     bench.run(10.0)
-    # He adds half the weight on top of what resists.
+    # Half the weight is added on top of what resists.
     assert max(bench.forces) <= ENOUGH_FORCE + 0.5 * WEIGHT + 0.5
     assert bench.person.hands.strain[0] == pytest.approx(ENOUGH_FORCE, abs=0.5)
     # Whatever the hands want, by surprise: the panel is torn away.
@@ -92,7 +92,7 @@ def test_on_a_blocked_panel_he_stops_going_on_and_never_exceeds_his_strength() -
 @pytest.mark.parametrize(
     ("size", "mass"), [((0.4, 0.1, 0.05), 0.3), ((1.0, 0.1, 0.02), 0.2), ((3.0, 0.1, 0.02), 0.2)]
 )
-def test_a_light_and_narrow_panel_does_not_spin_up_in_his_hands(
+def test_a_light_and_narrow_panel_does_not_spin_up_in_the_hands(
     size: tuple[float, float, float], mass: float
 ) -> None:
     bench = Bench(Panel(replace(SPEC, size=size, mass=mass, near_edge=(0.57, -0.39, 0.9))))
@@ -118,14 +118,14 @@ def test_a_weak_person_is_weak() -> None:
     assert max(bench.forces) <= 5.0 + 1e-9 and max(bench.torques) <= 1.0 + 1e-9
 
 
-def test_he_turns_a_blocked_panel_no_harder_than_is_enough() -> None:
+def test_the_person_turns_a_blocked_panel_no_harder_than_is_enough() -> None:
     bench = Bench(Blocked(SPEC))
     bench.person.act(read('[[phase]]\ndo = "turn"\nabout = "x"\nangle = 90'))
     bench.run(30.0)
     assert 11.5 < max(bench.torques) < 13.0
 
 
-def test_he_waits_until_the_fingers_are_closed_and_gives_up_waiting() -> None:
+def test_the_person_waits_until_the_fingers_are_closed_and_gives_up_waiting() -> None:
     script = '[[phase]]\ndo = "wait"\nuntil = "grasp"\npatience = 3\n[[phase]]\ndo = "take_hold"'
     bench = Bench(Panel(SPEC))
     bench.person.act(read(script))
@@ -143,7 +143,7 @@ def test_he_waits_until_the_fingers_are_closed_and_gives_up_waiting() -> None:
     assert bench.person.hands.holding
 
 
-def test_he_lifts_his_end_and_carries_half_the_weight() -> None:
+def test_the_person_lifts_their_end_and_carries_half_the_weight() -> None:
     bench = Bench(Panel(SPEC))
     bench.person.act(read('[[phase]]\ndo = "lift"\nheight = 0.05\nspeed = 0.05'))
     bench.run(4.0)
@@ -154,7 +154,7 @@ def test_he_lifts_his_end_and_carries_half_the_weight() -> None:
     assert bench.person.hands.force[2] * arm - torque == pytest.approx(WEIGHT * 0.3, rel=0.05)
 
 
-def test_he_brings_his_hands_to_a_target() -> None:
+def test_the_person_brings_the_hands_to_a_target() -> None:
     bench = Bench(Panel(SPEC))
     bench.panel.body.position = np.array((1.0, 0.0, 1.0))
     bench.panel.supported = False
@@ -167,7 +167,9 @@ def test_he_brings_his_hands_to_a_target() -> None:
 
 
 @pytest.mark.parametrize(("higher", "waits"), [(0.0, False), (0.1, False), (0.2, True)])
-def test_he_lowers_his_end_no_further_while_the_other_one_is_much_higher(higher: float, waits: bool) -> None:
+def test_the_person_lowers_their_end_no_further_while_the_other_one_is_much_higher(
+    higher: float, waits: bool
+) -> None:
     panel = Blocked(SPEC)
     panel.body.rotation = rotation_from_vector((0.0, math.asin(higher / 1.2), 0.0))
     bench = Bench(panel)
@@ -178,7 +180,7 @@ def test_he_lowers_his_end_no_further_while_the_other_one_is_much_higher(higher:
     assert (bench.person.hands.position[2] < start - 0.02) != waits
 
 
-def test_he_lets_go_gently() -> None:
+def test_the_person_lets_go_gently() -> None:
     bench = Bench(Panel(SPEC))
     bench.person.act(
         read('[[phase]]\ndo = "move"\nby = [0.01, 0, -0.02]\npause = 0\n[[phase]]\ndo = "let_go"\npause = 0')
@@ -186,11 +188,11 @@ def test_he_lets_go_gently() -> None:
     bench.run(5.0)
     assert not bench.person.hands.holding
     assert max(bench.forces) > 3.0 and bench.forces[-1] == 0.0
-    # What he let go of in the end was next to nothing.
+    # What was let go of in the end was next to nothing.
     assert next(force for force in reversed(bench.forces) if force > 0.0) < 0.05 * max(bench.forces)
 
 
-def test_the_world_shows_his_hands_once_he_is_asked() -> None:
+def test_the_world_shows_the_hands_once_the_person_is_asked() -> None:
     rig = Rig(scene="carry", ft_noise=[0.0] * 6)
     assert rig.last(topics.SIM_WORLD).hand is None
     rig.ask(command="hand", target=[1.74, -0.39, 0.85])
@@ -203,7 +205,7 @@ def test_the_world_shows_his_hands_once_he_is_asked() -> None:
     assert rig.last(topics.SIM_WORLD).hand is None
 
 
-def test_the_world_tells_what_his_hands_want_and_what_they_have_if_they_let_go() -> None:
+def test_the_world_tells_what_the_hands_want_and_what_they_have_if_they_let_go() -> None:
     rig = Rig(scene="carry")
     rig.ask(command="hand", script='[[phase]]\ndo = "wait"\nuntil = "grasp"\npatience = 5')
     rig.run(0.1)
@@ -211,7 +213,7 @@ def test_the_world_tells_what_his_hands_want_and_what_they_have_if_they_let_go()
     assert world.hand.wanted == pytest.approx(world.hand.position)
     assert world.hand.wanted_orientation == pytest.approx(world.panel.orientation)
     assert world.hand.position == pytest.approx((0.57 + 1.2 - 0.03, -0.39, 0.78), abs=1e-3)
-    # The near end lies on its trestle: what he wants and what he has differ.
+    # The near end lies on its trestle: what is wanted and what is there differ.
     turn = '[[phase]]\ndo="lift"\nheight=0.1\npause=0\n[[phase]]\ndo="turn"\nabout="z"\nangle=20\npause=9'
     rig.ask(command="hand", script=turn)
     rig.run(6.0)
@@ -257,9 +259,7 @@ def test_held_at_both_ends_the_wrist_carries_what_statics_say() -> None:
 
 
 @pytest.mark.parametrize(("stiffness", "stands"), [(4000.0, False), (12000.0, True)])
-def test_upright_it_stands_when_he_lets_go_if_its_foam_is_stiff_enough(
-    stiffness: float, stands: bool
-) -> None:
+def test_upright_it_stands_when_let_go_of_if_its_foam_is_stiff_enough(stiffness: float, stands: bool) -> None:
     # Its corners 25 mm from the middle have to outweigh a centre 0.3 m above them: 7.1 kN/m.
     spec = replace(SPEC, stiffness=stiffness)
     bench = Bench(Panel(spec))
