@@ -10,10 +10,9 @@ from services.sim.camera.head_camera import DirectRendering, HeadCamera, Renderi
 from services.sim.camera.view import Scenery
 from services.sim.pace import Pace, Ticks
 from services.sim.parameters import SimParameters
-from services.sim.robot.ft_sensor import ForceTorqueSensor
 from services.sim.robot.kinematics import CARRY_HOME, FULL_HOME, HOME
 from services.sim.robot.sensor_line import SensorLine
-from services.sim.robot.state import JointSensors
+from services.sim.robot.sensors import ForceTorqueSensor, JointSensors
 from services.sim.scene.panel_scene import Carry
 from services.sim.scene.world import World
 from services.sim.sim_commands import Commands
@@ -69,7 +68,8 @@ class Simulator(Service[SimParameters]):
         if carry is not None:
             camera = self._lines["camera"]
             self._camera = HeadCamera(self.world, carry, parameters.scenery(), rendering, camera)
-        self._joints = JointSensors(self.world, self._lines["joints"])
+        world, joints = self.world, self._lines["joints"]
+        self._joints = JointSensors(world.arm, world.head, world.gripper, world.start, joints)
         self._commands = Commands(self.world, self._lines)
         self._pace = Pace()
         self.wiring = Wiring(

@@ -21,6 +21,10 @@ class Gripper:
     """
 
     def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to the start: closed on nothing."""
         self.left = self.right = 0.0
         self.pressed = (0.0, 0.0)
         self.holding = False

@@ -60,8 +60,8 @@ class World:
         self.head.reset()
         if self.carry is not None:
             self.carry.reset()
+        self.gripper.reset()
         self.base = MobileBase()
-        self.gripper = Gripper()
         self.bag = Bag()
         self._pushes = []
         self.contact_force = [0.0, 0.0, 0.0]

@@ -1,16 +1,20 @@
-"""The gate as everybody else sees it: through the robot's motion and ``state/robot``."""
+"""The simulator as everybody sees it: its scenes, its rates, and its gate through the motion and ``state/robot``."""
 
 from __future__ import annotations
 
-import secrets
+import subprocess
 
 import numpy as np
 import pytest
 
+from services.sim.camera.render_process import RenderProcess
+from services.sim.camera.renderer import Renderer
+from services.sim.parameters import SimParameters
 from services.sim.robot.arm import DRIVE_LAG
+from services.sim.simulator import Simulator
 from shared import topics
+from shared.loop.stack import Stack
 from shared.messages import Stop, TwistCommand
-from shared.wire.client import Client
 from tests.services.sim.rig import Rig
 
 DOWN = (0.0, 0.0, -0.1)
@@ -43,95 +47,25 @@ def test_a_fresh_command_moves_it_and_silence_stops_it(rig: Rig) -> None:
     assert rig.height == pytest.approx(height, abs=1e-4)
 
 
-@pytest.mark.parametrize("ttl", [0.004, 0.01, 0.05, 0.2])
+@pytest.mark.parametrize("ttl", [0.004, 0.01, 0.05, 0.2, 100.0])
 def test_a_command_acts_for_its_ttl_to_within_a_physics_step(rig: Rig, ttl: float) -> None:
-    start = rig.height
+    start, acts = rig.height, min(ttl, 0.2)
     rig.stack.client.publish(topics.COMMAND_EE_TWIST, TwistCommand((0, 0, -0.1), (0, 0, 0), ttl))
-    rig.run(ttl + 0.3)
+    rig.run(acts + 0.3)
     # Speeding up from 0 to 0.1 m/s at 5 m/s2 takes 20 ms; the lag delays motion but takes nothing from it.
-    rise = min(ttl, 0.02)
-    travel = 0.5 * 5.0 * rise**2 + 0.1 * (ttl - rise)
+    rise = min(acts, 0.02)
+    travel = 0.5 * 5.0 * rise**2 + 0.1 * (acts - rise)
     assert start - rig.height == pytest.approx(travel, abs=0.1 * 0.0021)
+    assert ("commands clamped: 1" in rig.last(topics.STATE_ROBOT).reason) == (ttl > acts)
 
 
-def test_a_longer_ttl_than_allowed_is_cut_and_counted(rig: Rig) -> None:
-    start = rig.height
-    rig.stack.client.publish(topics.COMMAND_EE_TWIST, TwistCommand((0, 0, -0.1), (0, 0, 0), 100.0))
-    rig.run(2.0)
-    assert start - rig.height < 0.1 * 0.2
-    assert "commands clamped: 1" in rig.last(topics.STATE_ROBOT).reason
-
-
-def test_an_excess_is_clamped_as_a_whole_vector_and_counted(rig: Rig) -> None:
-    wanted = np.array((0.4, 0.0, -3.0))
-    rig.move(tuple(wanted.tolist()), 0.3)
-    linear = rig.last(topics.STATE_EE).linear
-    assert np.linalg.norm(linear) == pytest.approx(0.3, rel=0.02)
-    assert linear @ wanted / np.linalg.norm(linear) / np.linalg.norm(wanted) > 0.999
-    assert "clamped" in rig.last(topics.STATE_ROBOT).reason
-
-
-def test_speeding_up_is_limited_and_slowing_down_is_not(rig: Rig) -> None:
-    rig.move((0, 0, -0.25), 0.02)
-    assert rig.speed <= 5.0 * 0.02 * 1.05
-    rig.move((0, 0, -0.25), 0.2)
-    assert rig.speed == pytest.approx(0.25, rel=0.02)
-    rig.move((0, 0, 0), 5 * DRIVE_LAG)
-    assert rig.speed < 0.01 * 0.25 + 1e-3
-
-
-def test_a_second_session_is_refused_and_named_until_the_first_falls_silent(rig: Rig) -> None:
-    other = Client(rig.stack.bus, rig.stack.scheduler.clock)
-    height = rig.height
-    for _ in range(30):
-        rig.stack.client.publish(topics.COMMAND_EE_TWIST, TwistCommand((0, 0, 0), (0, 0, 0), 0.02))
-        rig.run(0.005)
-        other.publish(topics.COMMAND_EE_TWIST, TwistCommand((0, 0, 0.05), (0, 0, 0), 0.02))
-        rig.run(0.005)
-    rig.run(0.2)
-    assert rig.height == pytest.approx(height, abs=1e-4)
-    assert "30 from a second session refused" in rig.last(topics.STATE_ROBOT).reason
-    for _ in range(10):
-        other.publish(topics.COMMAND_EE_TWIST, TwistCommand((0, 0, -0.05), (0, 0, 0), 0.02))
-        rig.run(0.01)
-    assert rig.height < height - 1e-3
-
-
-def test_garbage_does_not_move_it_and_is_counted(rig: Rig) -> None:
-    height = rig.height
-    for _ in range(20):
-        rig.stack.bus.publish(topics.COMMAND_EE_TWIST.key, secrets.token_bytes(100))
-        rig.run(0.01)
-    rig.run(0.2)
-    assert rig.height == pytest.approx(height, abs=1e-4)
-    assert "20 rejected" in rig.last(topics.STATE_ROBOT).reason
-
-
-def test_an_invalid_command_means_stop(rig: Rig) -> None:
-    rig.move(DOWN, 0.2)
-    message = TwistCommand(DOWN, (0, 0, 0), 0.2)
-    for _ in range(20):
-        rig.stack.client.publish(topics.COMMAND_EE_TWIST, message, valid=False)
-        rig.run(0.01)
-    assert rig.speed < 1e-3
-
-
-def test_stop_brakes_within_20_ms_latches_and_is_released_only_by_a_release(rig: Rig) -> None:
+def test_a_stop_brakes_within_20_ms_and_ends_with_its_release(rig: Rig) -> None:
     rig.move(DOWN, 0.2)
     rig.stack.client.publish(topics.STOP, Stop(True, "somebody shouted"))
     rig.move(DOWN, 0.02)
     assert rig.simulator.side.mode == "stopped"
-    rig.move(DOWN, 0.2)
+    rig.move(DOWN, 1.0)
     assert rig.speed < 1e-3
-    status = rig.last(topics.STATE_ROBOT)
-    assert status.mode == "stopped"
-    assert "somebody shouted" in status.reason
-    rig.run(1.0)
-    rig.move(DOWN, 0.2)
-    assert rig.speed < 1e-3
-    rig.stack.client.publish(topics.STOP, Stop(False, ""), valid=False)
-    rig.move(DOWN, 0.1)
-    assert rig.last(topics.STATE_ROBOT).mode == "stopped"
     rig.stack.client.publish(topics.STOP, Stop(False, ""))
     rig.move(DOWN, 0.3)
     assert rig.speed == pytest.approx(0.1, rel=0.05)
@@ -150,3 +84,99 @@ def test_the_gate_works_in_real_time_whatever_the_real_time_factor() -> None:
     travel = 0.5 * 5.0 * 0.02**2 / 2 + 0.1 * (0.2 - 0.02)
     assert start - rig.height == pytest.approx(travel, abs=3e-3)
     assert rig.last(topics.SIM_WORLD).time == pytest.approx(2 * rig.stack.now, abs=0.1)
+
+
+START = (0.5, -0.3, 1.0)
+"""Of the tool [m] for the load experiment."""
+
+
+@pytest.mark.parametrize(
+    ("scene", "start", "edge"),
+    [
+        ("full", START, (0.64, -0.27, 0.78)),
+        ("load", START, None),
+        ("carry", (0.45, -0.39, 0.78), (0.57, -0.39, 0.78)),
+    ],
+)
+def test_each_scene_has_its_start_and_its_panel(
+    scene: str, start: tuple[float, ...], edge: tuple[float, ...] | None
+) -> None:
+    rig = Rig(scene=scene, camera_rate=1.0)
+    assert rig.last(topics.STATE_EE).position == pytest.approx(start, abs=2e-3)
+    panel = rig.last(topics.SIM_WORLD).panel
+    assert (panel is None) == (edge is None)
+    if edge is not None:
+        assert panel.position == pytest.approx(np.add(edge, (0.6, 0.0, 0.0)), abs=1e-3)
+
+
+def test_the_panel_is_not_in_the_way_of_a_tool_that_is_lowered_from_its_start() -> None:
+    samples = {}
+    for scene in ("load", "full"):
+        rig = Rig(scene=scene, camera_rate=1.0)
+        rig.move((0.0, 0.0, -0.1), 4.3)
+        rig.run(0.3)
+        assert rig.height == pytest.approx(0.58, abs=0.02)
+        samples[scene] = np.array([(*sample.force, *sample.torque) for sample in rig.all(topics.SENSOR_FT)])
+        assert all(not world.contact_force.any() for world in rig.all(topics.SIM_WORLD))
+    assert np.array_equal(samples["load"], samples["full"])
+    panels = [world.panel.position for world in rig.all(topics.SIM_WORLD)]
+    assert np.ptp(panels, axis=0) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_nobody_looks_nothing_is_rendered(monkeypatch: pytest.MonkeyPatch) -> None:
+    pictures = []
+    monkeypatch.setattr(Renderer, "picture", lambda *_: pictures.append(1))
+    stack = Stack()
+    stack.add(Simulator(SimParameters()))
+    stack.run(1.0)
+    assert pictures == []
+
+
+def test_the_process_that_renders_is_started_for_whom_looks_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    started = []
+    monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: started.append(1))
+    stack = Stack()
+    stack.add(Simulator(SimParameters(), RenderProcess))
+    stack.run(1.0)
+    assert started == []
+    for _ in range(2):
+        stack.client.watch(topics.SENSOR_CAMERA)
+        stack.run(0.5)
+        assert started == [1]
+
+
+def test_at_a_tenth_of_real_time_everything_still_comes_often_enough() -> None:
+    rig = Rig(real_time_factor=0.1, ft_rate=300.0, joint_rate=300.0)
+    before = {key: len(received) for key, received in rig.received.items()}
+    rig.run(4.0)
+    for key, rate in (
+        ("sensor/ft", 30),
+        ("state/ee", 30),
+        ("state/base", 30),
+        ("state/gripper", 20),
+        ("state/robot", 5),
+        ("sim/world", 30),
+    ):
+        assert len(rig.received[key]) - before[key] == pytest.approx(4.0 * rate, abs=3), key
+
+
+@pytest.mark.parametrize(
+    ("ft_rate", "joint_rate"), [(30.0, 100.0), (100.0, 50.0), (250.0, 100.0), (500.0, 500.0)]
+)
+def test_topics_come_at_their_rates(ft_rate: float, joint_rate: float) -> None:
+    rig = Rig(ft_rate=ft_rate, joint_rate=joint_rate)
+    before = {key: len(received) for key, received in rig.received.items()}
+    rig.run(2.0)
+    for key, rate in (
+        ("sensor/ft", ft_rate),
+        ("state/joints", joint_rate),
+        ("state/ee", joint_rate),
+        ("state/base", 50),
+        ("state/gripper", 20),
+        ("state/robot", 5),
+        ("sim/world", 30),
+    ):
+        assert len(rig.received[key]) - before[key] == pytest.approx(2.0 * rate, abs=2), key
+    assert rig.last(topics.SIM_WORLD).time == pytest.approx(rig.stack.now, abs=0.05)
+    stamps = [received.header.stamp for received in rig.received["sensor/ft"]]
+    assert np.diff(stamps) == pytest.approx(1e9 / ft_rate, abs=1e4)

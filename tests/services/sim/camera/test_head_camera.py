@@ -20,7 +20,6 @@ from shared.clock import nanoseconds
 from shared.messages import CameraImage, HeadCommand
 from shared.parameters import Refused
 from shared.spatial import quaternion, rotation_from_vector, rotation_matrix
-from shared.wire.codec import Rejected, decode
 from tests.services.sim.rig import Rig
 
 SCENERY = SimParameters().scenery()
@@ -264,15 +263,3 @@ def test_the_base_moves_and_the_marker_is_still_where_the_message_says() -> None
     head = rig.simulator.world.camera()
     assert pose.position == pytest.approx(head[0], abs=1e-6)
     assert pose.orientation == pytest.approx(quaternion(head[1]), abs=1e-6)
-
-
-def test_garbage_is_no_message() -> None:
-    rig = Watched()
-    payloads: list[bytes] = []
-    rig.stack.bus.subscribe(topics.SENSOR_CAMERA.key, payloads.append)
-    rig.ask(command="fault", target="camera", kind="garbage")
-    payloads.clear()
-    rig.run(0.3)
-    assert payloads
-    with pytest.raises(Rejected):
-        decode(CameraImage, payloads[-1], topics.SENSOR_CAMERA.cap)

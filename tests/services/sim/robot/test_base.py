@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from shared import topics
-from shared.messages import BaseTwistCommand, Stop
+from shared.messages import BaseTwistCommand
 from shared.spatial import rotation_matrix
 from tests.services.sim.rig import Rig
 
@@ -55,14 +55,6 @@ def test_an_omnidirectional_base_goes_any_way_while_it_turns() -> None:
     assert base.position[1] / base.position[0] == pytest.approx(-2.0)
     rig.drive((0.0, 0.0, 1.0), 5.0)
     assert -math.pi < rig.last(topics.STATE_BASE).yaw <= math.pi
-
-
-def test_a_stop_ends_its_motion() -> None:
-    rig = Rig()
-    rig.drive((0.3, 0.0, 0.0), 1.0)
-    rig.stack.client.publish(topics.STOP, Stop(True, "hand on the button"))
-    rig.drive((0.3, 0.0, 0.0), 0.4)
-    assert rig.last(topics.STATE_BASE).velocity == pytest.approx((0, 0, 0))
 
 
 def test_what_is_told_in_base_stays_the_same_while_base_moves_and_turns() -> None:

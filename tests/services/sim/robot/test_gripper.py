@@ -1,4 +1,4 @@
-"""A stop and its release: fingers and head stay where they are, and nothing that is held is let go of."""
+"""The fingers: how they move, and how a stop and its release leave them where they are with what they hold."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 from services.sim.robot.gripper import Gripper
 from shared import topics
 from shared.messages import GripperCommand, HeadCommand, Stop
-from shared.robot.tiago import FINGER_EFFORT
+from shared.robot.tiago import FINGER_EFFORT, FINGER_SPEED, FINGER_TRAVEL
 from tests.services.sim.rig import Rig
 
 OPENED = GripperCommand(0.09, FINGER_EFFORT)
@@ -29,6 +29,29 @@ def stop(rig: Rig, duration: float = 0.5) -> None:
 def release(rig: Rig, duration: float = 1.0) -> None:
     rig.stack.client.publish(topics.STOP, Stop(False, ""))
     rig.run(duration)
+
+
+def test_the_fingers_move_at_their_speed_and_as_far_as_they_can() -> None:
+    gripper = Gripper()
+    gripper.command(2 * FINGER_TRAVEL, FINGER_EFFORT)
+    for _ in range(100):
+        gripper.advance(0.002)
+    assert gripper.opening == pytest.approx(2 * FINGER_SPEED * 0.2)
+    for _ in range(1000):
+        gripper.advance(0.002)
+    assert gripper.opening == pytest.approx(2 * FINGER_TRAVEL)
+    assert gripper.effort == 0.0 and not gripper.holding
+
+
+def test_the_joint_state_shows_the_fingers(rig: Rig) -> None:
+    rig.stack.client.publish(topics.COMMAND_GRIPPER, GripperCommand(0.06, 16.0))
+    rig.run(1.5)
+    joints = rig.last(topics.STATE_JOINTS)
+    fingers = [
+        joints.position[joints.name.index(f"gripper_right_{side}_finger_joint")] for side in ("left", "right")
+    ]
+    assert fingers == pytest.approx([0.03, 0.03])
+    assert rig.last(topics.STATE_GRIPPER).opening == pytest.approx(0.06)
 
 
 def test_fingers_and_head_stay_where_they_are_until_they_are_told_anew_after_the_release(rig: Rig) -> None:

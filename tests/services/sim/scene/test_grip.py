@@ -11,8 +11,7 @@ from services.sim.scene.panel import Panel, PanelSpec
 from services.sim.scene.panel_scene import Carry, CarrySpec, Tool
 from shared import topics
 from shared.constants import GRAVITY
-from shared.messages import GripperCommand
-from shared.robot.tiago import CHAIN, FINGER_EFFORT, FINGER_SPEED, FINGER_TRAVEL
+from shared.robot.tiago import CHAIN, FINGER_EFFORT, FINGER_TRAVEL
 from shared.spatial import rotation_from_vector, rotation_matrix
 from tests.services.sim.rig import Rig
 from tests.services.sim.statics import statics
@@ -82,18 +81,6 @@ class Bench:
         self.run(1.0, LIFT)
         assert self.gripper.holding
         return self
-
-
-def test_the_fingers_move_at_their_speed_and_as_far_as_they_can() -> None:
-    gripper = Gripper()
-    gripper.command(2 * FINGER_TRAVEL, FINGER_EFFORT)
-    for _ in range(100):
-        gripper.advance(STEP)
-    assert gripper.opening == pytest.approx(2 * FINGER_SPEED * 0.2)
-    for _ in range(1000):
-        gripper.advance(STEP)
-    assert gripper.opening == pytest.approx(2 * FINGER_TRAVEL)
-    assert gripper.effort == 0.0 and not gripper.holding
 
 
 @pytest.mark.filterwarnings("error")
@@ -251,17 +238,6 @@ def test_the_wrist_reads_the_panel_that_is_carried_at_one_end(rig: Rig) -> None:
     assert sample.force == pytest.approx(wanted[:3], abs=0.01 * np.linalg.norm(wanted[:3]))
     assert sample.torque == pytest.approx(wanted[3:], abs=0.02 * np.linalg.norm(wanted[3:]))
     assert world.contact_force == pytest.approx(weight, abs=0.05)
-
-
-def test_the_joint_state_shows_the_fingers(rig: Rig) -> None:
-    rig.stack.client.publish(topics.COMMAND_GRIPPER, GripperCommand(0.06, 16.0))
-    rig.run(1.5)
-    joints = rig.last(topics.STATE_JOINTS)
-    fingers = [
-        joints.position[joints.name.index(f"gripper_right_{side}_finger_joint")] for side in ("left", "right")
-    ]
-    assert fingers == pytest.approx([0.03, 0.03])
-    assert rig.last(topics.STATE_GRIPPER).opening == pytest.approx(0.06)
 
 
 def test_the_panel_moves_with_tool_and_base(rig: Rig) -> None:

@@ -10,10 +10,8 @@ import pytest
 
 from services.sim.scene.panel import Panel, PanelSpec
 from services.sim.scene.rigid_body import RigidBody
-from shared import topics
 from shared.constants import GRAVITY
 from shared.spatial import rotation_from_vector
-from tests.services.sim.rig import Rig
 
 STEP = 0.002
 SPEC = PanelSpec((1.2, 0.6, 0.05), 1.5, 0.6, 4000.0, (0.57, -0.39, 0.76))
@@ -145,11 +143,3 @@ def test_a_free_body_keeps_energy_and_angular_momentum() -> None:
     assert momentum() == pytest.approx(start, abs=0.02 * np.linalg.norm(start))
     assert body.rotation @ body.rotation.T == pytest.approx(np.eye(3), abs=1e-9)
     assert body.position == pytest.approx((0, 0, 0), abs=1e-9)
-
-
-def test_the_scene_shows_it_only_when_asked() -> None:
-    assert Rig().last(topics.SIM_WORLD).panel is None
-    rig = Rig(scene="carry", panel_position=[0.8, 0.0, 0.9])
-    panel = rig.last(topics.SIM_WORLD).panel
-    assert panel.position == pytest.approx((1.4, 0.0, 0.9), abs=1e-3)
-    assert panel.orientation == pytest.approx((0, 0, 0, 1), abs=1e-3)
