@@ -126,9 +126,10 @@ class Person:
         if phase.do == "lower":
             return self._lower(phase, panel, dt)
         if phase.do == "turn":
-            smooth = self._progress(abs(phase.angle) / phase.speed, dt)
+            angle = math.radians(phase.angle)
+            smooth = self._progress(abs(angle) / phase.speed, dt)
             axis = np.array((0.0, 0.0, 1.0)) if phase.about == "z" else rotation[:, 0]
-            hands.rotation = rotation_from_vector(smooth * phase.angle * axis).dot(rotation)
+            hands.rotation = rotation_from_vector(smooth * angle * axis).dot(rotation)
             return self._share >= 1.0
         way = np.array((0.0, 0.0, phase.height))
         if phase.do == "move":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -194,7 +195,7 @@ def test_the_judge_knows_what_the_person_wants(base: str) -> None:
             wanted.append(("along", along) if along else ("across", across))
         elif phase.do == "turn":
             assert phase.about == "x"
-            wanted.append(("roll", phase.angle))
+            wanted.append(("roll", math.radians(phase.angle)))
     assert [(one.way, one.amount) for one in GUIDANCE[base]] == [
         (way, pytest.approx(amount)) for way, amount in wanted
     ]
