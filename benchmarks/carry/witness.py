@@ -55,9 +55,9 @@ class Witness(Service[Parameters]):
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
         """One sample; nothing is said."""
         world = self._world
-        assert world.carry is not None
-        carry, base = world.carry, world.base
-        panel, hands = carry.panel, carry.person.hands
+        assert world.panel_scene is not None
+        scene, base = world.panel_scene, world.base
+        panel, hands = scene.panel, scene.person.hands
         target, status = inputs.get(topics.CONTROL_TARGET), inputs.get(topics.TASK_STATUS)
         grip = inputs.get(topics.COMMAND_GRIPPER)
         force, torque = base.turned_back(world.contact_force), base.turned_back(world.contact_torque)

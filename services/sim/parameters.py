@@ -9,7 +9,7 @@ from pydantic import model_validator
 
 from services.sim.camera.view import Scenery
 from services.sim.scene.panel import PanelSpec
-from services.sim.scene.panel_scene import CarrySpec
+from services.sim.scene.panel_scene import PanelSceneSpec
 from shared.parameters import Parameters, Refused, Vector3, Vector6, option, parameter
 
 SLOWEST_RATE = 30.0
@@ -120,8 +120,8 @@ class SimParameters(Parameters):
     def _placed(cls, given: Mapping[str, Any]) -> Mapping[str, Any]:
         return {"panel_position": _AHEAD_OF_THE_ARM, **given} if given.get("scene") == "carry" else given
 
-    def carry(self) -> CarrySpec:
-        """The carrying scenario."""
+    def panel_scene(self) -> PanelSceneSpec:
+        """What the panel, the grip and the person are like."""
         panel = PanelSpec(
             self.panel_size,
             self.panel_mass,
@@ -130,10 +130,10 @@ class SimParameters(Parameters):
             self.panel_position,
             self.panel_yaw,
         )
-        return CarrySpec(panel, self.grip_friction, self.person_force, self.person_torque)
+        return PanelSceneSpec(panel, self.grip_friction, self.person_force, self.person_torque)
 
     def scenery(self) -> Scenery:
-        """What the camera sees of the carrying scenario."""
+        """What the camera sees that does not change."""
         return Scenery(
             self.panel_size,
             self.marker_id,

@@ -7,7 +7,7 @@ from typing import Any
 
 from services.sim.robot.sensor_line import SensorLine
 from services.sim.scene import bag, script
-from services.sim.scene.panel_scene import Carry
+from services.sim.scene.panel_scene import PanelScene
 from services.sim.scene.world import World
 from shared.parameters import Refused
 from shared.schema.fields import Number, Vector
@@ -49,24 +49,24 @@ class Commands:
             case Push(force=force, torque=torque, duration=duration):
                 self._world.push(force, torque, duration)
             case Hand(script=text, target=target):
-                person = self._carry("hand").person
+                person = self._panel_scene("hand").person
                 if text is None:
                     assert target is not None
                     person.guide(target)
                 else:
                     person.act(script.read(text))
             case CoverMarker(covered=covered):
-                self._carry("cover_marker").covered = covered
+                self._panel_scene("cover_marker").covered = covered
             case SensorFault(target=target, kind=kind, value=value):
                 if target == "camera":
-                    self._carry("target is 'camera'")
+                    self._panel_scene("target is 'camera'")
                 self._lines[target].break_down(kind, _extent(target, kind, value))
 
-    def _carry(self, asked: str) -> Carry:
-        """The scenario with the panel; Refused if the scene has none."""
-        if self._world.carry is None:
+    def _panel_scene(self, asked: str) -> PanelScene:
+        """The panel and the person; Refused if there are none."""
+        if self._world.panel_scene is None:
             raise Refused(f"{asked}: {_NO_PANEL}")
-        return self._world.carry
+        return self._world.panel_scene
 
 
 def _extent(target: str, kind: str, value: Any) -> Sequence[float]:

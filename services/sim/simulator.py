@@ -13,7 +13,7 @@ from services.sim.parameters import SimParameters
 from services.sim.robot.kinematics import CARRY_HOME, FULL_HOME, HOME
 from services.sim.robot.sensor_line import SensorLine
 from services.sim.robot.sensors import ForceTorqueSensor, JointSensors
-from services.sim.scene.panel_scene import Carry
+from services.sim.scene.panel_scene import PanelScene
 from services.sim.scene.world import World
 from services.sim.sim_commands import Commands
 from shared import topics
@@ -46,8 +46,8 @@ class Simulator(Service[SimParameters]):
         self._ticks = Ticks(parameters.ft_rate, parameters.joint_rate, parameters.physics_rate)
         # Real time per simulated time: the gate's deadlines are promises in real time.
         self._stretch = 1.0 / parameters.real_time_factor
-        carry = Carry(parameters.carry(), self._ticks.step) if parameters.scene != "load" else None
-        self.world = World(self._ticks.step, _STARTS[parameters.scene], carry)
+        scene = PanelScene(parameters.panel_scene(), self._ticks.step) if parameters.scene != "load" else None
+        self.world = World(self._ticks.step, _STARTS[parameters.scene], scene)
         limits = GateLimits(
             parameters.max_linear,
             parameters.max_angular,
@@ -65,9 +65,9 @@ class Simulator(Service[SimParameters]):
         self._sensor = ForceTorqueSensor(parameters.ft_noise, parameters.ft_bias, parameters.seed)
         self._lines = {"ft": SensorLine(), "joints": SensorLine(), "camera": SensorLine()}
         self._camera = None
-        if carry is not None:
+        if scene is not None:
             camera = self._lines["camera"]
-            self._camera = HeadCamera(self.world, carry, parameters.scenery(), rendering, camera)
+            self._camera = HeadCamera(self.world, scene, parameters.scenery(), rendering, camera)
         world, joints = self.world, self._lines["joints"]
         self._joints = JointSensors(world.arm, world.head, world.gripper, world.start, joints)
         self._commands = Commands(self.world, self._lines)
@@ -160,17 +160,17 @@ class Simulator(Service[SimParameters]):
         return BaseState(np.array((base.x, base.y)), base.yaw, np.array(base.velocity))
 
     def _world_state(self) -> SimWorld:
-        bag, carry = self.world.bag, self.world.carry
+        bag, scene = self.world.bag, self.world.panel_scene
         state = BagState(bag.mass, bag.height) if bag.present else None
         panel = hand = None
         visible = self._camera is not None and self._camera.marker_visible()
-        if carry is not None:
-            body = carry.panel.body
+        if scene is not None:
+            body = scene.panel.body
             panel = PanelState(body.position, quaternion(body.rotation))
-            if carry.person.asked:
-                hands = carry.person.hands
-                wanted, turned = hands.wish(carry.panel)
+            if scene.person.asked:
+                hands = scene.person.hands
+                wanted, turned = hands.wish(scene.panel)
                 hand = HandState(
-                    hands.place, hands.force, hands.torque, carry.person.doing, wanted, quaternion(turned)
+                    hands.place, hands.force, hands.torque, scene.person.doing, wanted, quaternion(turned)
                 )
         return SimWorld(self.world.time, panel, state, hand, np.array(self.world.contact_force), visible)

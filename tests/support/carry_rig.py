@@ -51,9 +51,9 @@ class CarryRig:
     @property
     def doing(self) -> str:
         """What the person does."""
-        carry = self.services.simulator.world.carry
-        assert carry is not None
-        return carry.person.doing
+        scene = self.services.simulator.world.panel_scene
+        assert scene is not None
+        return scene.person.doing
 
     def sim(self, command: str, **request: Any) -> None:
         self.client.ask(topics.SIM_COMMAND, {"command": command, **request})

@@ -12,7 +12,7 @@ from services.sim.camera import marker
 from services.sim.camera.renderer import Renderer
 from services.sim.camera.view import HEIGHT, INTRINSICS, WIDTH, Scenery, View, pixels
 from services.sim.robot.sensor_line import SensorLine
-from services.sim.scene.panel_scene import Carry
+from services.sim.scene.panel_scene import PanelScene
 from services.sim.scene.world import World
 from shared.messages import CameraImage
 from shared.robot.tiago import CHAIN, FINGERS, HEAD
@@ -68,7 +68,7 @@ class HeadCamera:
 
     Args:
         world: what there is.
-        carry: the scenario in it.
+        scene: the panel in it, and who holds it.
         scenery: what does not change.
         rendering: makes what renders it.
         line: that the messages take.
@@ -77,13 +77,13 @@ class HeadCamera:
     def __init__(
         self,
         world: World,
-        carry: Carry,
+        scene: PanelScene,
         scenery: Scenery,
         rendering: Callable[[Scenery], Rendering],
         line: SensorLine,
     ) -> None:
         self._world = world
-        self._carry = carry
+        self._panel_scene = scene
         self._scenery = scenery
         self._rendering = rendering(scenery)
         self._line = line
@@ -115,7 +115,7 @@ class HeadCamera:
 
     def view(self, brighter: float = 0.0) -> View:
         """What there is to see now; with ``brighter`` [of 255] added to each pixel's values."""
-        world, panel = self._world, self._carry.panel
+        world, panel = self._world, self._panel_scene.panel
         position, rotation = world.camera()
         joints = dict(world.start)
         joints.update(zip(CHAIN, world.arm.physics.positions, strict=True))
@@ -134,7 +134,7 @@ class HeadCamera:
             self._in_base(panel.body.position),
             self._heading().T.dot(panel.body.rotation),
             supports,
-            self._carry.covered,
+            self._panel_scene.covered,
             brighter,
         )
 
@@ -143,10 +143,10 @@ class HeadCamera:
 
         That the arm may be in front of it is not looked at.
         """
-        if self._carry.covered:
+        if self._panel_scene.covered:
             return False
         position, rotation = self._world.camera()
-        body = self._carry.panel.body
+        body = self._panel_scene.panel.body
         turned = self._heading().T.dot(body.rotation)
         centre = self._in_base(body.position) + turned.dot(self._scenery.marker_in_panel)
         to_camera = position - centre

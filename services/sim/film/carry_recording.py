@@ -120,7 +120,7 @@ class CarryRun:
             (float(time), str(caption))
             for time, caption in zip(data["moment_times"], data["moment_captions"], strict=True)
         ]
-        panel = Panel(parameters.carry().panel)
+        panel = Panel(parameters.panel_scene().panel)
         lifted = self._series["panel_position"][:, 2] > panel.body.position[2] + CLEARED
         self._supported = ~np.maximum.accumulate(lifted)
         self._trestles = panel.trestles

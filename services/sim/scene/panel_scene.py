@@ -1,4 +1,4 @@
-"""The carrying scenario: the panel, and what the robot's gripper and a person do to it."""
+"""The panel, and what the robot's gripper and a person do to it."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from shared.spatial import Array, cross
 
 
 @dataclass(frozen=True)
-class CarrySpec:
-    """What is carried and how.
+class PanelSceneSpec:
+    """What the panel, the grip and the person are like.
 
     Attributes:
         panel: the panel.
@@ -45,7 +45,7 @@ class Tool:
     spin: Array
 
 
-class Carry:
+class PanelScene:
     """A panel on its supports, in the gripper, in the person's hands, or on the ground.
 
     Attributes:
@@ -58,7 +58,7 @@ class Carry:
         step: duration [s] of one physics step.
     """
 
-    def __init__(self, spec: CarrySpec, step: float) -> None:
+    def __init__(self, spec: PanelSceneSpec, step: float) -> None:
         self._spec = spec
         self._step = step
         self.reset()

@@ -12,7 +12,7 @@ from services.sim.robot.base import MobileBase, Vector
 from services.sim.robot.gripper import Gripper
 from services.sim.robot.head import Head
 from services.sim.scene.bag import Bag
-from services.sim.scene.panel_scene import Carry, Tool
+from services.sim.scene.panel_scene import PanelScene, Tool
 from shared.spatial import Array, rotation_from_vector
 
 
@@ -26,7 +26,7 @@ class _Push:
 
 
 class World:
-    """Robot, bag, pushes and, if there is one, the carrying scenario.
+    """Robot, bag, pushes and, if they are there, the panel and the person.
 
     Attributes:
         time: simulated time [s] since the process started.
@@ -37,17 +37,17 @@ class World:
     Args:
         step: duration [s] of one physics step.
         start: see above.
-        carry: the carrying scenario, if it is part of the scene.
+        scene: the panel and the person, if they are there.
     """
 
-    def __init__(self, step: float, start: Mapping[str, float], carry: Carry | None = None) -> None:
+    def __init__(self, step: float, start: Mapping[str, float], scene: PanelScene | None = None) -> None:
         self.start = start
         self.arm = Arm(step, self.start)
         self.head = Head(self.start)
         self.base = MobileBase()
         self.bag = Bag()
         self.gripper = Gripper()
-        self.carry = carry
+        self.panel_scene = scene
         self.time = 0.0
         self.contact_force = [0.0, 0.0, 0.0]
         self.contact_torque = [0.0, 0.0, 0.0]
@@ -58,8 +58,8 @@ class World:
         """Back to the start: base and arm at home, no bag, no push. Time goes on."""
         self.arm.reset()
         self.head.reset()
-        if self.carry is not None:
-            self.carry.reset()
+        if self.panel_scene is not None:
+            self.panel_scene.reset()
         self.gripper.reset()
         self.base = MobileBase()
         self.bag = Bag()
@@ -98,8 +98,8 @@ class World:
                 push.left -= self._step
             self._pushes = [push for push in self._pushes if push.left > 0.5 * self._step]
             torque = total.tolist()
-        if self.carry is not None:
-            force, torque = self._carried(self.carry, force, torque)
+        if self.panel_scene is not None:
+            force, torque = self._carried(self.panel_scene, force, torque)
         self.arm.advance(twist, force, torque)
         x, y, z = force
         self.contact_force = list(self.base.turned((x, y, z)))
@@ -117,7 +117,7 @@ class World:
         return x, y, z
 
     def _carried(
-        self, carry: Carry, force: list[float], torque: list[float] | None
+        self, scene: PanelScene, force: list[float], torque: list[float] | None
     ) -> tuple[list[float], list[float] | None]:
         """Force [N] and torque [Nm] on the tool, base axes, with what the panel adds to them in this step."""
         position, rotation = self.arm.kinematics.tool()
@@ -132,7 +132,7 @@ class World:
             np.array(self.base.velocity_of((x, y, z), (vx, vy, vz))),
             turning,
         )
-        wrench = carry.advance(tool, self.gripper)
+        wrench = scene.advance(tool, self.gripper)
         if wrench is None:
             return force, torque
         added = rotation.dot(wrench[0])

@@ -76,12 +76,12 @@ def lifted(rig: Rig) -> None:
     rig.grasp()
     rig.move((0, 0, 0.08), 2.0)
     rig.run(0.5)
-    assert not rig.simulator.world.carry.panel.supported
+    assert not rig.simulator.world.panel_scene.panel.supported
 
 
 def held(rig: Rig, effort: float) -> bool:
-    state, carry = rig.last(topics.STATE_GRIPPER), rig.simulator.world.carry
-    return state.holding and state.effort >= effort - 0.1 and not carry.panel.supported
+    state, scene = rig.last(topics.STATE_GRIPPER), rig.simulator.world.panel_scene
+    return state.holding and state.effort >= effort - 0.1 and not scene.panel.supported
 
 
 def test_a_panel_that_is_held_stays_held_with_the_same_effort(rig: Rig) -> None:

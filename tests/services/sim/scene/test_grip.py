@@ -8,7 +8,7 @@ import pytest
 from services.sim.robot.gripper import Gripper
 from services.sim.scene.grip import PAD_WIDTH, mean_radius
 from services.sim.scene.panel import Panel, PanelSpec
-from services.sim.scene.panel_scene import Carry, CarrySpec, Tool
+from services.sim.scene.panel_scene import PanelScene, PanelSceneSpec, Tool
 from shared import topics
 from shared.constants import GRAVITY
 from shared.robot.tiago import CHAIN, FINGER_EFFORT, FINGER_TRAVEL
@@ -46,8 +46,8 @@ class Bench:
         mass: float = 1.5,
     ) -> None:
         spec = PanelSpec(size, mass, 0.6, 4000.0, tuple(EDGE.tolist()))
-        self.carry = Carry(CarrySpec(spec, friction), STEP)
-        self.carry.panel = self.panel = PulledPanel(spec)
+        self.panel_scene = PanelScene(PanelSceneSpec(spec, friction), STEP)
+        self.panel_scene.panel = self.panel = PulledPanel(spec)
         self.body = self.panel.body
         self.gripper = Gripper()
         self.gripper.left = self.gripper.right = opening / 2.0
@@ -69,7 +69,7 @@ class Bench:
             self.panel.pull = begin[0] + share * (pull - begin[0])
             self.panel.twist = begin[1] + share * (twist - begin[1])
             self.gripper.advance(STEP)
-            wrench = self.carry.advance(self.tool, self.gripper)
+            wrench = self.panel_scene.advance(self.tool, self.gripper)
         return wrench
 
     def gripped(self) -> Bench:
@@ -229,7 +229,7 @@ def test_the_wrist_reads_the_panel_that_is_carried_at_one_end(rig: Rig) -> None:
     rig.move((0, 0, 0.08), 2.0)
     rig.run(1.0)
     world, joints = rig.last(topics.SIM_WORLD), rig.last(topics.STATE_JOINTS)
-    assert rig.last(topics.STATE_GRIPPER).holding and not rig.simulator.world.carry.panel.supported
+    assert rig.last(topics.STATE_GRIPPER).holding and not rig.simulator.world.panel_scene.panel.supported
     position = np.array([joints.position[joints.name.index(name)] for name in CHAIN])
     weight = np.array((0.0, 0.0, -0.4 * GRAVITY))
     lever = world.panel.position - rig.last(topics.STATE_EE).position

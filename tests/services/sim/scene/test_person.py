@@ -217,7 +217,7 @@ def test_the_world_tells_what_the_hands_want_and_what_they_have_if_they_let_go()
     turn = '[[phase]]\ndo="lift"\nheight=0.1\npause=0\n[[phase]]\ndo="turn"\nabout="z"\nangle=20\npause=9'
     rig.ask(command="hand", script=turn)
     rig.run(6.0)
-    hands, hand = rig.simulator.world.carry.person.hands, rig.last(topics.SIM_WORLD).hand
+    hands, hand = rig.simulator.world.panel_scene.person.hands, rig.last(topics.SIM_WORLD).hand
     assert hand.wanted == pytest.approx((1.74, -0.39, 0.88), abs=2e-3)
     assert hand.wanted == pytest.approx(hands.position, abs=1e-6)
     assert np.linalg.norm(hand.wanted - hand.position) > 1e-3
@@ -240,7 +240,7 @@ def test_held_at_both_ends_the_wrist_carries_what_statics_say() -> None:
         rig.move((0, 0, 0.05), 0.1)
     rig.run(2.0)
     world, tool = rig.last(topics.SIM_WORLD), rig.last(topics.STATE_EE)
-    assert not rig.simulator.world.carry.panel.supported
+    assert not rig.simulator.world.panel_scene.panel.supported
     weight = np.array((0.0, 0.0, -WEIGHT))
     assert world.contact_force == pytest.approx(weight + world.hand.force, abs=0.05)
     assert world.contact_force[2] == pytest.approx(-0.5 * WEIGHT, abs=3.0)
