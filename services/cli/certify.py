@@ -1,87 +1,131 @@
-"""`tandem certify`: what the certified law guarantees with the present configuration."""
+"""`tandem certify`: what the certified law guarantees, for the running controller or for given options."""
 
 from __future__ import annotations
 
+import json
 import os
-import sys
 import time
-from collections.abc import Iterable
+from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot
-from services.cli.param import shown
-from services.cli.stack.children import command
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, refuse
+from services.controller.guarantee import as_map, as_text
+from services.controller.parameters import ControllerParameters
 from shared import topics
+from shared.loop.config import Misconfigured, service_parameters
 from shared.parameters import Refused
+from shared.spatial import Array, rotation_matrix
 from shared.wire.bus import NoReply
 from shared.wire.client import Client
 from shared.wire.zenoh import BusError, ZenohBus
 
-CONTEXT = {"allow_extra_args": True, "ignore_unknown_options": True}
 FOUND_WITHIN = 1.0  # [s]
+LIMIT = (25.0,) * 3 + (10.0,) * 3
+"""Limits [N, Nm] where nobody has asked for any."""
+ERROR_BOUND = (0.6,) * 3 + (0.1,) * 3
+"""Error bound [N, Nm] of a sensor that was tared, where none is heard."""
 
 
 def certify(
-    context: typer.Context,
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,
     offline: Annotated[
         bool, typer.Option("--offline", help="Do not ask a running controller; use --config, --set.")
     ] = False,
+    config: Annotated[Path | None, typer.Option(help="TOML file with a table [controller].")] = None,
+    settings: Annotated[list[str], typer.Option("--set", help="NAME=VALUE in TOML; repeatable.")] = [],  # noqa: B006
+    force_limit: Annotated[str, typer.Option(help="[N], one number or x,y,z; without it 25.")] = "",
+    torque_limit: Annotated[str, typer.Option(help="[Nm], one number or x,y,z; without it 10.")] = "",
+    force_error: Annotated[str, typer.Option(help="Error bound [N]; without it 0.6.")] = "",
+    torque_error: Annotated[str, typer.Option(help="Error bound [Nm]; without it 0.1.")] = "",
+    environment_speed: Annotated[float, typer.Option(help="[m/s]")] = 0.1,
+    orientation: Annotated[
+        list[str],
+        typer.Option(
+            help="X,Y,Z,W of the tool in base, to print the stiffness bound for, with --json; repeatable."
+        ),
+    ] = [],  # noqa: B006
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Certified speeds, worst excess and what limits them, for the running controller or for given options.
-
-    Further options are those of python -m services.controller.certify: --config, --set, --force-limit,
-    --torque-limit, --force-error, --torque-error, --environment-speed, --orientation, --json.
-    """
-    given = list(context.args)
-    chosen = any(argument.startswith(("--config", "--set")) for argument in given)
-    present = [] if offline or chosen else _present(robot, connect)
-    if present:
+    """Certified speeds, worst excess and what limits them, for the running controller or for given options."""
+    chosen = offline or config is not None or bool(settings)
+    running = None if chosen else _running(robot, connect)
+    if running is not None:
         typer.echo(f"for the controller that runs as {robot} on {connect}", err=True)
-    elif not (offline or chosen):
+    elif not chosen:
         typer.echo(f"no controller answers as {robot} on {connect}: for the default parameters", err=True)
-    sys.stdout.flush()
-    os.execv(sys.executable, command("controller.certify", [*present, *given]))
+    try:
+        if running is None:
+            file = config or os.environ.get("TANDEM_CONFIG") or None
+            parameters = service_parameters("controller", ControllerParameters, file, settings)
+            limit, error_bound = np.array(LIMIT), np.array(ERROR_BOUND)
+        else:
+            parameters, limit, error_bound = running
+        for part, into, option, text in (
+            (slice(3), limit, "--force-limit", force_limit),
+            (slice(3, 6), limit, "--torque-limit", torque_limit),
+            (slice(3), error_bound, "--force-error", force_error),
+            (slice(3, 6), error_bound, "--torque-error", torque_error),
+        ):
+            if text:
+                into[part] = _three(option, text)
+        rotations = [_rotation(text) for text in orientation] or [np.eye(3)]
+        given = parameters, limit, error_bound, environment_speed
+        typer.echo(json.dumps(as_map(*given, rotations), indent=2) if as_json else as_text(*given))
+    except (Misconfigured, ValueError) as problem:
+        refuse(" ".join(str(problem).split()))
 
 
-def _present(robot: str, connect: str) -> list[str]:
-    """Options that describe the running controller: its parameters, target and error bound; none if there is none."""
+def _running(robot: str, connect: str) -> tuple[ControllerParameters, Array, Array] | None:
+    """Parameters, limits and error bound (6,) of the running controller; None if there is none."""
     deadline = time.monotonic() + FOUND_WITHIN
     try:
         bus = ZenohBus(robot, connect, give_up=lambda: time.monotonic() > deadline)
     except BusError:
-        return []
+        return None
     try:
         client = Client(bus)
         target, wrench = client.watch(topics.CONTROL_TARGET), client.watch(topics.WRENCH_EXTERNAL)
-        parameters = client.ask(topics.CONTROL_PARAMETERS, {}, FOUND_WITHIN)["parameters"]
-        options = [part for assignment in assignments(parameters) for part in ("--set", assignment)]
+        table = client.ask(topics.CONTROL_PARAMETERS, {}, FOUND_WITHIN)["parameters"]
         while (target.latest is None or wrench.latest is None) and time.monotonic() < deadline:
             time.sleep(0.02)
+        limit, error_bound = np.array(LIMIT), np.array(ERROR_BOUND)
         if target.latest is not None:
-            options += ["--force-limit", _three(target.latest.message.force_limit)]
-            options += ["--torque-limit", _three(target.latest.message.torque_limit)]
+            asked = target.latest.message
+            limit = np.concatenate((asked.force_limit, asked.torque_limit))
         if wrench.latest is not None:
-            bound = wrench.latest.message.error_bound
-            options += ["--force-error", _three(bound[:3]), "--torque-error", _three(bound[3:])]
-        return options
+            error_bound = np.array(wrench.latest.message.error_bound)
+        return parameters_of(table), limit, error_bound
     except (NoReply, Refused):
-        return []
+        return None
     finally:
         bus.close()
 
 
-def assignments(parameters: dict[str, dict[str, Any]]) -> list[str]:
-    """Values for ``--set`` that restore the parameters of a reply (name to row with ``value``), to the last digit."""
-    values = {name: row["value"] for name, row in parameters.items()}
-    return [
-        f'{name}="{value}"' if isinstance(value, str) else f"{name}={shown(value)}"
-        for name, value in values.items()
-    ]
+def parameters_of(table: dict[str, dict[str, Any]]) -> ControllerParameters:
+    """The parameters of a reply (name to row with ``value``), to the last digit."""
+    return ControllerParameters.of({name: row["value"] for name, row in table.items()})
 
 
-def _three(values: Iterable[float]) -> str:
-    return ",".join(shown(float(value)) for value in values)
+def _three(option: str, text: str) -> Array:
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (1, 3) or not all(0.0 <= number < 1e6 for number in numbers):
+        raise Misconfigured(
+            f"{option} {text!r}: wanted one number or three, separated by commas, not negative"
+        )
+    return np.array(numbers * (3 // len(numbers)))
+
+
+def _rotation(text: str) -> Array:
+    try:
+        return rotation_matrix([float(part) for part in text.split(",")])
+    except ValueError:
+        raise Misconfigured(
+            f"--orientation {text!r}: wanted a unit quaternion x,y,z,w, separated by commas"
+        ) from None

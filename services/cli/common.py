@@ -1,17 +1,21 @@
-"""Options that every command shares, and opening the bus with them."""
+"""What all commands share: options, the bus of a running stack, queries, refusals, and how they end."""
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Annotated
+from typing import Annotated, Any, NoReturn
 
 import typer
 
-from services.cli.refusal import refuse
-from services.cli.stack.plan import DEFAULT_ENDPOINT
-from shared.wire.zenoh import BusError, ZenohBus
+from shared.parameters import Refused
+from shared.topics import Query
+from shared.wire.bus import Bus, NoReply
+from shared.wire.client import Client
+from shared.wire.zenoh import DEFAULT_ENDPOINT, BusError, ZenohBus
 
 Robot = Annotated[
     str,
@@ -25,8 +29,26 @@ Connect = Annotated[
 ]
 DEFAULT_ROBOT = "tiago"
 CONNECT_WITHIN = 2.0  # [s]
+USAGE = 2
+"""Exit status of a command that was given something it cannot take."""
 
-__all__ = ["DEFAULT_ENDPOINT", "DEFAULT_ROBOT", "Connect", "Robot", "open_bus"]
+__all__ = [
+    "DEFAULT_ENDPOINT",
+    "DEFAULT_ROBOT",
+    "USAGE",
+    "Connect",
+    "Robot",
+    "ask",
+    "open_bus",
+    "refuse",
+    "stop_event",
+]
+
+
+def refuse(text: str, status: int = USAGE) -> NoReturn:
+    """Ends the command with one clear line on standard error."""
+    typer.echo(f"tandem: {text}", err=True)
+    raise typer.Exit(status)
 
 
 @contextmanager
@@ -49,3 +71,23 @@ def open_bus(
         yield bus
     finally:
         bus.close()
+
+
+def ask(bus: Bus, query: Query, request: dict[str, Any], timeout: float = 3.0) -> dict[str, Any]:
+    """The reply of a running service within a time [s]; its refusal or silence ends the command with one line."""
+    try:
+        return Client(bus).ask(query, request, timeout)
+    except NoReply:
+        refuse(
+            f"no answer on {query.key} within {timeout:g} s: is {query.server} running? See: tandem status", 1
+        )
+    except Refused as problem:
+        refuse(f"{query.server} refused: {problem}", 1)
+
+
+def stop_event() -> threading.Event:
+    """An event that Ctrl-C, SIGTERM and SIGHUP set."""
+    event = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: event.set())
+    return event

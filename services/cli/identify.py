@@ -9,10 +9,8 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from services.cli.actions import REPEAT, limits, make_target
-from services.cli.ask import ask
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
-from services.cli.refusal import refuse
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse
+from services.cli.hold import REPEAT, limits, make_target
 from shared import topics
 from shared.messages import ControlTarget, EndEffector, RobotStatus
 from shared.parameters import Refused

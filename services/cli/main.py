@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
+from typing import NoReturn
 
 import typer
 
-from services.cli import actions, param, run, simulated, topic
-from services.cli.certify import CONTEXT, certify
+from services.cli import param, requests, run, topic
+from services.cli.certify import certify
+from services.cli.common import USAGE
+from services.cli.hold import hold
 from services.cli.identify import identify
-from services.cli.refusal import USAGE
 from services.cli.status import status
+from services.cli.stop import resume, stop
 from services.cli.up import start, up
 
 NUMBERS = {"ignore_unknown_options": True}  # so that -0.3 is a number, not an option
@@ -26,22 +30,23 @@ commands.add_typer(run.app, name="run")
 commands.command()(status)
 commands.add_typer(topic.app, name="topic")
 commands.add_typer(param.app, name="param")
-commands.command()(actions.stop)
-commands.command()(actions.resume)
-commands.command()(actions.tare)
-commands.command()(actions.task)
+commands.command()(stop)
+commands.command()(resume)
+commands.command()(requests.tare)
+commands.command()(requests.task)
 commands.command()(identify)
-commands.command(context_settings=NUMBERS)(actions.hold)
-commands.command(context_settings=NUMBERS)(simulated.load)
-commands.command(context_settings=NUMBERS)(simulated.hand)
-commands.command()(simulated.cover)
-commands.command(context_settings=CONTEXT)(certify)
+commands.command(context_settings=NUMBERS)(hold)
+commands.command(context_settings=NUMBERS)(requests.load)
+commands.command(context_settings=NUMBERS)(requests.hand)
+commands.command()(requests.cover)
+commands.command()(certify)
 
 
-def app() -> None:
+def app(arguments: Sequence[str] | None = None) -> NoReturn:
     """Runs a command; what it cannot take is refused with one line and exit status 2."""
+    given = sys.argv[1:] if arguments is None else list(arguments)
     try:
-        sys.exit(commands(sys.argv[1:] or ["--help"], prog_name="tandem", standalone_mode=False))
+        sys.exit(commands(given or ["--help"], prog_name="tandem", standalone_mode=False))
     except typer.Abort:
         typer.echo("tandem: aborted", err=True)
         sys.exit(1)

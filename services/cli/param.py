@@ -8,9 +8,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from services.cli.ask import ask
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
-from services.cli.refusal import refuse
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse
 from shared.loop.config import service_assignment, value_of
 from shared.topics import PARAMETER_QUERIES, Query
 

@@ -1,41 +1,52 @@
-"""`tandem run`: a stack per run, the experiment beside it, the report of all runs, everything down again."""
+"""`tandem run`: a stack per run with its player, the report of all runs, everything down again."""
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 import threading
 import time
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
+from rich.table import Table
+from rich.text import Text
 
-from services.cli.claims import claims_table, figures_table
-from services.cli.common import DEFAULT_ROBOT, Robot
-from services.cli.interrupt import stop_event
+from services.cli.background import Background, NoResult
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Robot, refuse, stop_event
 from services.cli.progress import Progress
-from services.cli.refusal import refuse
-from services.cli.runs import planned, write_config
-from services.cli.stack.children import Child, Children
+from services.cli.stack.children import Children
 from services.cli.stack.lane import Lane
-from services.cli.stack.plan import DEFAULT_ENDPOINT, ROUTER, Plan, check_port
-from services.cli.studio import Studio
+from services.cli.stack.plan import Plan, check_port, write_config
+from services.cli.stack.processes import start_router
 from services.cli.up import Router
+from services.experiment import experiments
+from services.experiment.experiments import EXPERIMENTS
+from services.experiment.measure.claim import Claim
+from services.experiment.measure.claim import Table as Figures
+from services.experiment.play.course import Run
+from services.experiment.play.recording import RECORDING
+from services.experiment.spec import Experiment
+
+if TYPE_CHECKING:
+    from services.experiment.report.report import Report
 
 POLL = 0.1  # [s]
 INTERRUPTED = 130
+FILM_WITHIN, REPORT_WITHIN = 300.0, 600.0  # [s]
 
 app = typer.Typer(help="Play an experiment with real processes and write its report.")
 
 
 @app.callback()
-def experiments() -> None:
+def group() -> None:
     """Play an experiment with real processes and write its report."""
 
 
+Runs = Annotated[str, typer.Option(help="Names of runs, separated by commas; all if left out.")]
 Out = Annotated[Path | None, typer.Option(help="Folder of the report; default runs/<experiment>-<date>.")]
 Parallel = Annotated[int, typer.Option(min=1, max=5, help="Stacks that run side by side.")]
 CARRIES = max(1, min(4, (os.cpu_count() or 1) // 2))
@@ -45,7 +56,7 @@ Film = Annotated[bool, typer.Option(help="Render a film of the scene.")]
 
 @app.command()
 def load(
-    runs: Annotated[str, typer.Option(help="Names of runs, separated by commas; all if left out.")] = "",
+    runs: Runs = "",
     out: Out = None,
     parallel: Parallel = 2,
     film: Film = True,
@@ -53,8 +64,7 @@ def load(
     router: Router = DEFAULT_ENDPOINT,
 ) -> None:
     """The paper's load experiment under every law; exit status 1 when a claim fails."""
-    names = [name.strip() for name in runs.split(",") if name.strip()]
-    _run("load", names, out, parallel, film, robot, router)
+    _run("load", _names(runs), out, parallel, film, robot, router)
 
 
 @app.command()
@@ -74,125 +84,188 @@ def carry(
         refuse(f"--no-base and --base {base}: choose one")
     if runs and (law or base or no_base):
         refuse("--runs names whole runs: leave --law, --base and --no-base out")
-    names = [name.strip() for name in runs.split(",") if name.strip()]
+    names = _names(runs)
     if law or base or no_base:
         names = [f"{law or 'certified'}-{'none' if no_base else base or 'omni'}"]
     _run("carry", names, out, parallel, film, robot, router)
 
 
+def _names(runs: str) -> list[str]:
+    return [name.strip() for name in runs.split(",") if name.strip()]
+
+
 def _run(
-    experiment: str, names: list[str], out: Path | None, parallel: int, film: bool, robot: str, router: str
+    name: str, names: list[str], out: Path | None, parallel: int, film: bool, robot: str, router: str
 ) -> None:
-    """Plays the runs, all if none is named, and writes their report."""
-    plan = planned(experiment, names)
-    chosen = plan["runs"]
+    """Plays the runs of these names, all that are usual if there are none, and writes their report."""
+    experiment = EXPERIMENTS[name]
+    try:
+        runs = experiment.chosen(names)
+    except ValueError as problem:
+        refuse(str(problem))
     check_port(router)
-    folder = out or Path("runs") / f"{experiment}-{time.strftime('%Y%m%d-%H%M%S')}"
+    folder = out or Path("runs") / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
     folder.mkdir(parents=True, exist_ok=True)
     stop = stop_event()
     console = Console()
     console.print(
-        f"{experiment} experiment: {len(chosen)} runs of {plan['duration']:.0f} s in real time, {parallel} at a time"
+        f"{name} experiment: {len(runs)} runs of {experiment.duration:.0f} s in real time, {parallel} at a time"
     )
+    studio = Studio(folder / experiment.shown(runs).name if film else None)
     with Children() as children:
-        _router(children, router, folder)
-        studio = Studio(folder / plan["film"] if film else None, children)
-        failures = _play(experiment, plan, folder, children, stop, (robot, router), parallel, studio)
-        console.print(
-            "waiting for the film, then judging and drawing" if studio.busy else "judging and drawing"
-        )
-        while studio.busy and not stop.wait(POLL):
-            pass
-        if stop.is_set():
-            refuse(f"interrupted; what was recorded lies in {folder}", INTERRUPTED)
-        report = children.start(Child("experiment", _report_arguments(folder, chosen)))
-        while report.status is None and not stop.wait(POLL):
-            pass
-    for line in [*failures, *([f"no film: {studio.problem}"] if studio.problem else [])]:
+        start_router(children, router, folder)
+        stage = Stage(experiment, folder, children, (robot, router), parallel)
+        failures = stage.play(runs, stop, studio)
+    studio.start_if_recorded()
+    console.print("waiting for the film, then judging and drawing" if studio.busy else "judging and drawing")
+    while studio.busy and not stop.wait(POLL):
+        pass
+    if stop.is_set():
+        refuse(f"interrupted; what was recorded lies in {folder}", INTERRUPTED)
+    commands = [f"tandem {' '.join(sys.argv[1:])}", *(_by_hand(run, folder) for run in runs)]
+    report = Background(
+        experiments.report, folder, commands, log=folder / "report.log", patience=REPORT_WITHIN
+    )
+    while report.busy and not stop.wait(POLL):
+        pass
+    if stop.is_set():
+        refuse(f"interrupted; what was recorded lies in {folder}", INTERRUPTED)
+    for line in [*failures, *studio.problems()]:
         console.print(f"failed: {line}", style="red", highlight=False, soft_wrap=True)
     _conclude(console, folder, report, failures)
 
 
-def _play(
-    experiment: str,
-    plan: dict[str, Any],
-    folder: Path,
-    children: Children,
-    stop: threading.Event,
-    where: tuple[str, str],
-    parallel: int,
-    studio: Studio,
-) -> list[str]:
-    """Plays all runs, `parallel` at a time; returns a line for each that did not complete."""
-    robot, router = where
-    waiting, duration = list(plan["runs"]), plan["duration"]
-    lanes: dict[int, Lane] = {}
-    failures = []
-    with Progress([run["title"] for run in waiting], duration) as progress:
-        while (waiting or lanes) and not stop.wait(POLL):
-            for number, lane in list(lanes.items()):
-                progress.show(lane.title, lane.phase, lane.elapsed, lane.trouble(), lane.reason)
-                if lane.finished():
-                    failure = lane.close()
-                    progress.end(lane.title, failure)
-                    failures += [failure] if failure else []
-                    del lanes[number]
-            for number in range(parallel):
-                if waiting and number not in lanes:
-                    run = waiting.pop(0)
-                    name = robot if number == 0 else f"{robot}-{number + 1}"
-                    stack = Plan(
-                        name,
-                        router,
-                        write_config(run, folder / run["name"] / "config.toml"),
-                        further=tuple(run["further"]),
-                    )
-                    lanes[number] = Lane(experiment, run, stack, folder / run["name"], children)
-            if not waiting and (len(lanes) < parallel or not lanes):
-                studio.start_if_recorded()  # a core has become free
-        for lane in lanes.values():
-            lane.close()
-    studio.start_if_recorded()
-    return failures
+class Studio:
+    """Renders the film of one run while others still go on, once there is a core to spare.
+
+    Args:
+        folder: of the run to show; None for no film.
+    """
+
+    def __init__(self, folder: Path | None) -> None:
+        self._folder = folder
+        self._work: Background[Path] | None = None
+
+    def start_if_recorded(self) -> None:
+        """Starts rendering as soon as the run is recorded; once only."""
+        if self._folder is not None and self._work is None and (self._folder / RECORDING).exists():
+            log = self._folder / "film.log"
+            self._work = Background(experiments.film, self._folder, log=log, patience=FILM_WITHIN)
+
+    @property
+    def busy(self) -> bool:
+        """Whether it is still rendering."""
+        return self._work is not None and self._work.busy
+
+    def problems(self) -> list[str]:
+        """Why there is no film although it was tried."""
+        try:
+            if self._work is not None:
+                self._work.result()
+        except NoResult as problem:
+            return [f"no film: {problem}"]
+        return []
 
 
-def _router(children: Children, endpoint: str, folder: Path) -> None:
-    router = children.start(Child(ROUTER, ["--listen", endpoint], folder / f"{ROUTER}.log"))
-    deadline = time.monotonic() + 0.3
-    while time.monotonic() < deadline:
-        if router.status is not None:
-            refuse(f"{ROUTER} {router.how_it_ended()}", 1)
-        time.sleep(0.02)
+class Stage:
+    """Plays runs side by side.
+
+    Args:
+        experiment: of the runs.
+        folder: that each run gets a folder in.
+        children: takes charge of the processes.
+        where: robot and router; the robots beside the first one get numbers.
+        parallel: how many runs at a time.
+    """
+
+    def __init__(
+        self, experiment: Experiment, folder: Path, children: Children, where: tuple[str, str], parallel: int
+    ) -> None:
+        self._experiment = experiment
+        self._folder = folder
+        self._children = children
+        self._robot, self._router = where
+        self._parallel = parallel
+
+    def play(self, runs: Sequence[Run], stop: threading.Event, studio: Studio) -> list[str]:
+        """Plays all runs; returns a line for each that did not complete."""
+        waiting = list(runs)
+        lanes: dict[int, Lane] = {}
+        failures = []
+        with Progress([run.title for run in runs], self._experiment.duration) as progress:
+            while (waiting or lanes) and not stop.wait(POLL):
+                for number, lane in list(lanes.items()):
+                    progress.show(lane.title, lane.phase, lane.elapsed, lane.trouble(), lane.reason)
+                    if lane.finished():
+                        failure = lane.close()
+                        progress.end(lane.title, failure)
+                        failures += [failure] if failure else []
+                        del lanes[number]
+                for number in range(self._parallel):
+                    if waiting and number not in lanes:
+                        lanes[number] = self._lane(number, waiting.pop(0))
+                if not waiting and (len(lanes) < self._parallel or not lanes):
+                    studio.start_if_recorded()  # a core has become free
+            for lane in lanes.values():
+                lane.close()
+        return failures
+
+    def _lane(self, number: int, run: Run) -> Lane:
+        folder = self._folder / run.name
+        config = write_config(run.settings, folder / "config.toml")
+        robot = f"{self._robot}-{number + 1}" if number else self._robot
+        plan = Plan(robot, self._router, config, further=run.further)
+        return Lane(self._experiment.name, run, plan, folder, self._children)
 
 
-def _report_arguments(folder: Path, chosen: list[dict[str, Any]]) -> list[str]:
-    arguments = ["report", str(folder), "--ran", f"tandem {' '.join(sys.argv[1:])}"]
-    for run in chosen:
-        further = "".join(f" --with {service}" for service in run["further"])
-        arguments += [
-            "--ran",
-            f"{run['name']}: tandem up --config {folder}/{run['name']}/config.toml{further}",
-        ]
-    return arguments
+def _by_hand(run: Run, folder: Path) -> str:
+    """How to start the stack of a run by hand."""
+    further = "".join(f" --with {service}" for service in run.further)
+    return f"{run.name}: tandem up --config {folder}/{run.name}/config.toml{further}"
 
 
-def _conclude(console: Console, folder: Path, report: Child, failures: list[str]) -> None:
-    claims = folder / "claims.json"
-    if not claims.exists():
-        refuse(f"no report: {report.last_line or 'it said nothing'}; recordings and logs are in {folder}", 1)
-    found = json.loads(claims.read_text(encoding="utf-8"))
-    console.print(claims_table(found["claims"]))
-    for table in found["tables"][:1]:
+def _conclude(console: Console, folder: Path, work: Background[Report], failures: list[str]) -> None:
+    try:
+        report = work.result()
+    except NoResult as problem:
+        refuse(f"no report: {problem}; recordings and logs are in {folder}", 1)
+    console.print(_claims(report.claims))
+    for table in report.tables[:1]:
         console.print(figures_table(table))
-    for problem in found["problems"]:
-        console.print(f"note: {problem}", highlight=False)
-    failed = sum(not claim["passed"] for claim in found["claims"]) + len(failures)
-    verdict = (
-        f"{failed} of {len(found['claims'])} claims fail"
-        if failed
-        else f"all {len(found['claims'])} claims hold"
-    )
+    for line in report.problems:
+        console.print(f"note: {line}", highlight=False)
+    failed = sum(not claim.passed for claim in report.claims) + len(failures)
+    count = len(report.claims)
+    verdict = f"{failed} of {count} claims fail" if failed else f"all {count} claims hold"
     console.print(verdict, style="bold red" if failed else "bold green", highlight=False)
-    console.print(f"report: {folder / 'index.html'}", highlight=False, soft_wrap=True)
+    console.print(f"report: {report.index}", highlight=False, soft_wrap=True)
     if failed:
         raise typer.Exit(1)
+
+
+def _claims(claims: Sequence[Claim]) -> Table:
+    """Claims under a heading per run: claim, figure, limit, pass or fail."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in ("claim", "measured", "required", ""):
+        table.add_column(name, overflow="fold")
+    last = None
+    for claim in claims:
+        if claim.run != last:
+            table.add_row(*([] if last is None else [""]))
+            table.add_row(Text(claim.run, style="bold"))
+            last = claim.run
+        mark = Text("pass", style="green") if claim.passed else Text("FAIL", style="bold red")
+        table.add_row(Text(f"  {claim.short}"), claim.figure, claim.limit, mark)
+    return table
+
+
+def figures_table(found: Figures) -> Table:
+    """A table of figures: names left, figures right."""
+    table = Table(
+        box=None, pad_edge=False, header_style="bold", title=f"\n{found.title}", title_justify="left"
+    )
+    for number, name in enumerate(found.head):
+        table.add_column(name, justify="right" if number else "left", vertical="bottom", overflow="fold")
+    for row in found.rows:
+        table.add_row(*row)
+    return table

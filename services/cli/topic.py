@@ -12,9 +12,8 @@ from rich.console import Console
 from rich.live import Live
 from rich.table import Table
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse
 from services.cli.health.watch import Watch
-from services.cli.refusal import refuse
 from shared import topics
 from shared.clock import SteadyClock
 from shared.topics import topic_by_key

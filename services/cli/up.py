@@ -15,18 +15,13 @@ import typer
 from rich.console import Console
 from rich.live import Live
 
-from services.cli.common import DEFAULT_ROBOT, Connect, Robot, open_bus
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse, stop_event
 from services.cli.health import diagnose
 from services.cli.health.diagnose import Row
 from services.cli.health.view import stack_view
 from services.cli.health.watch import Watch
-from services.cli.interrupt import stop_event
-from services.cli.refusal import refuse
-from services.cli.runs import planned, write_config
-from services.cli.stack.children import Child, Children, command
+from services.cli.stack.children import Child, Children
 from services.cli.stack.plan import (
-    DEFAULT_ENDPOINT,
-    ROUTER,
     STARTABLE,
     Plan,
     check_config,
@@ -34,10 +29,15 @@ from services.cli.stack.plan import (
     check_port,
     parse_settings,
     remembered,
+    write_config,
 )
-from services.cli.stack.processes import Stack
-from shared.processes import FURTHER
+from services.cli.stack.processes import StackProcesses, wait_for_router
+from services.experiment.carry import carry_protocol
+from shared.processes import FURTHER, process_named
+from shared.processes import ROUTER as ROUTER_PROCESS
 
+ROUTER = ROUTER_PROCESS.name
+STARTS = (ROUTER, *STARTABLE)
 REFRESH = 0.25  # [s]
 ROUTER_WITHIN = 60.0  # [s] for the stack's own router to listen, on a machine that is busy
 SPEAKS_WITHIN = 30.0  # [s] for a process to say the first word
@@ -80,12 +80,12 @@ def up(
     stop = stop_event()
     with Children() as children, tempfile.TemporaryDirectory(prefix="tandem-") as folder:
         if carry:
-            (run,) = planned("carry", ["certified-omni"])["runs"]
-            config, more = write_config(run, Path(folder) / "carry.toml"), tuple(run["further"])
+            run = carry_protocol.run("certified", "omni")
+            config, more = write_config(run.settings, Path(folder) / "carry.toml"), run.further
         plan = Plan(robot, router, config, parsed, more)
-        stack = Stack(plan, children)
+        stack = StackProcesses(plan, children)
         try:
-            stack.wait_for_router()
+            wait_for_router(stack.processes[ROUTER])
             with open_bus(
                 robot, router, ROUTER_WITHIN, lambda: stop.is_set() or ROUTER in stack.ended()
             ) as bus:
@@ -101,15 +101,15 @@ def up(
 
 
 def start(
-    service: Annotated[str, typer.Argument(help="router, sim, wrench, controller, base or task")],
+    service: Annotated[str, typer.Argument(help=", ".join(STARTS))],
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,
     config: Config = None,
     settings: Annotated[list[str], typer.Option("--set", help="NAME=VALUE in TOML; repeatable.")] = [],  # noqa: B006
 ) -> None:
     """Run one service in the foreground with the options of the stack that it belongs to."""
-    if service not in (ROUTER, *STARTABLE):
-        refuse(f"{service!r} is no service of the stack; choose from {', '.join((ROUTER, *STARTABLE))}")
+    if service not in STARTS:
+        refuse(f"{service!r} is no service of the stack; choose from {', '.join(STARTS)}")
     known = remembered(robot, connect)
     plan = Plan(robot, connect, check_config(config), {service: settings})
     if known is not None:
@@ -119,13 +119,13 @@ def start(
             plan.config or known.config,
             {service: [*known.settings.get(service, []), *settings]},
         )
-    arguments = plan.router_arguments() if service == ROUTER else plan.arguments(service)
-    typer.echo(f"starting: python -m services.{service} {' '.join(arguments)}", err=True)
+    command = ["-m", process_named(service).module, *plan.arguments(service)]
+    typer.echo(f"starting: python {' '.join(command)}", err=True)
     sys.stdout.flush()
-    os.execv(sys.executable, command(service, arguments))
+    os.execv(sys.executable, [sys.executable, *command])
 
 
-def _show(stack: Stack, watch: Watch, stop: threading.Event) -> None:
+def _show(stack: StackProcesses, watch: Watch, stop: threading.Event) -> None:
     console = Console()
     head = f"tandem: robot {stack.plan.robot} on {stack.plan.endpoint} (Ctrl-C stops everything)"
     if not console.is_terminal:
@@ -137,7 +137,7 @@ def _show(stack: Stack, watch: Watch, stop: threading.Event) -> None:
             live.update(stack_view(_rows(stack, watch), watch, stack.processes, head))
 
 
-def _log(stack: Stack, watch: Watch, stop: threading.Event, head: str) -> None:
+def _log(stack: StackProcesses, watch: Watch, stop: threading.Event, head: str) -> None:
     """Without a terminal: one line per change."""
     typer.echo(head)
     shown: dict[str, str] = {}
@@ -150,14 +150,12 @@ def _log(stack: Stack, watch: Watch, stop: threading.Event, head: str) -> None:
             shown[row.service] = line
 
 
-def _rows(stack: Stack, watch: Watch) -> list[Row]:
-    router = stack.processes.get(ROUTER)
+def _rows(stack: StackProcesses, watch: Watch) -> list[Row]:
+    router = stack.processes[ROUTER]
     rows = diagnose.rows(watch.living(), watch.health(), stack.plan.services)
     rows = [_with_process(row, stack.processes.get(row.service)) for row in rows]
-    if router is not None:
-        up = router.status is None
-        rows.insert(0, _with_process(Row(ROUTER, "ok" if up else "lost", "", up), router))
-    return rows
+    listens = router.status is None
+    return [_with_process(Row(ROUTER, "ok" if listens else "lost", "", listens), router), *rows]
 
 
 def _with_process(row: Row, child: Child | None) -> Row:

@@ -13,15 +13,16 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 
+from shared.processes import process_named
+
 KEPT_LINES = 200
 STOP_PATIENCE = 3.0  # [s] after SIGTERM, before SIGKILL; every service promises 2 s
 _DIE_WITH_PARENT = """
 import ctypes, os, signal, sys
-os.nice(int(sys.argv[2]))
 if sys.platform == "linux":
     ctypes.CDLL(None).prctl(1, signal.SIGTERM)
 if os.getppid() == int(sys.argv[1]):
-    os.execv(sys.executable, [sys.executable, *sys.argv[3:]])
+    os.execv(sys.executable, [sys.executable, *sys.argv[2:]])
 """
 """Runs in the child before the service: PR_SET_PDEATHSIG has the kernel send it SIGTERM when this command is gone,
 even by SIGKILL. Not a preexec_fn, which may deadlock in a process that has threads."""
@@ -39,30 +40,17 @@ class Child:
         arguments: Sequence[str],
         log: Path | None = None,
         on_line: Callable[[str], None] | None = None,
-        nice: int = 0,
     ) -> None:
-        """Starts it. Its output is kept, copied to the file `log`, and handed line by line to `on_line`.
-
-        `nice` lowers its priority (19 = only when nobody else wants the processor).
-        """
+        """Starts it. Its output is kept, copied to the file `log`, and handed line by line to `on_line`."""
         self.name = name
         self.arguments = list(arguments)
         self.lines: deque[str] = deque(maxlen=KEPT_LINES)
         self.started = time.monotonic()
         self._log = log
         self._on_line = on_line
+        module = process_named(name).module
         self._process = subprocess.Popen(
-            [
-                sys.executable,
-                "-S",
-                "-c",
-                _DIE_WITH_PARENT,
-                str(os.getpid()),
-                str(nice),
-                "-m",
-                f"services.{name}",
-                *arguments,
-            ],
+            [sys.executable, "-S", "-c", _DIE_WITH_PARENT, str(os.getpid()), "-m", module, *arguments],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -161,8 +149,3 @@ class Children:
     ) -> None:
         """Ends all whatever happened."""
         self.stop()
-
-
-def command(name: str, arguments: Sequence[str]) -> list[str]:
-    """The command line of a service."""
-    return [sys.executable, "-m", f"services.{name}", *arguments]

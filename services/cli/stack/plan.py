@@ -7,19 +7,18 @@ import os
 import socket
 import tempfile
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from services.cli.refusal import refuse
-from shared import processes
+from services.cli.common import refuse
 from shared.loop.config import service_assignment
 from shared.processes import FURTHER, STACK, process_named
 from shared.wire.zenoh import DEFAULT_ENDPOINT
 
-ROUTER = processes.ROUTER.name
 STARTABLE = (*STACK, *FURTHER)
+"""What a stack may have besides its router."""
 
 
 @dataclass(frozen=True)
@@ -37,20 +36,13 @@ class Plan:
         """All services of the stack."""
         return (*STACK, *self.further)
 
-    def router_arguments(self) -> list[str]:
-        """Command line of the router."""
-        return processes.ROUTER.arguments(self.robot, self.endpoint)
-
-    def arguments(self, service: str) -> list[str]:
-        """Command line of one service; KeyError if it is none that can be started."""
-        if service not in STARTABLE:
-            raise KeyError(service)
-        arguments = process_named(service).arguments(self.robot, self.endpoint)
-        if self.config:
+    def arguments(self, name: str) -> list[str]:
+        """Command line of the router or one service; KeyError if there is none of that name."""
+        process = process_named(name)
+        arguments = process.arguments(self.robot, self.endpoint)
+        if self.config and process.settable:
             arguments += ["--config", str(self.config.resolve())]
-        for setting in self.settings.get(service, []):
-            arguments += ["--set", setting]
-        return arguments
+        return arguments + [part for setting in self.settings.get(name, []) for part in ("--set", setting)]
 
     def remember(self) -> None:
         """Writes the options down, so that `tandem start` and `tandem status` know them."""
@@ -115,12 +107,14 @@ def check_config(path: Path | None) -> Path | None:
     return path
 
 
-def to_toml(tables: dict[str, dict[str, Any]]) -> str:
-    """Parameters as a configuration file, one table per service (numbers, texts, booleans and lists of them)."""
+def write_config(settings: Mapping[str, Mapping[str, Any]], path: Path) -> Path:
+    """Writes parameters (numbers, texts, booleans and lists of them) as a file for `--config`; returns its path."""
     lines = []
-    for service, values in tables.items():
+    for service, values in settings.items():
         lines += [f"[{service}]", *(f"{name} = {json.dumps(value)}" for name, value in values.items()), ""]
-    return "\n".join(lines)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
 
 
 def check_port(endpoint: str, option: str = "--router") -> None:

@@ -5,14 +5,15 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from services.cli.refusal import refuse
+from services.cli.common import refuse
 from services.cli.stack.children import Child, Children
-from services.cli.stack.plan import ROUTER, Plan
+from services.cli.stack.plan import Plan
+from shared.processes import ROUTER
 
-EARLY = 0.3  # [s] within which a process that cannot work with its options ends
+EARLY = 0.3  # [s] within which a router that cannot listen ends
 
 
-class Stack:
+class StackProcesses:
     """The processes of one plan. Nothing is restarted: what ended stays ended until the user starts it again."""
 
     def __init__(
@@ -20,12 +21,10 @@ class Stack:
     ) -> None:
         """Starts the processes; their output goes to files in `logs` as well. `children` ends them."""
         self.plan = plan
-        self.processes: dict[str, Child] = {}
-        if with_router:
-            self.processes[ROUTER] = children.start(_child(ROUTER, plan.router_arguments(), plan, logs))
-        for service in plan.services:
-            child = _child(service, plan.arguments(service), plan, logs)
-            self.processes[service] = children.start(child)
+        self.processes = {
+            name: children.start(Child(name, plan.arguments(name), logs / f"{name}.log" if logs else None))
+            for name in (*([ROUTER.name] if with_router else []), *plan.services)
+        }
         plan.remember()
 
     def ended(self) -> dict[str, Child]:
@@ -38,15 +37,17 @@ class Stack:
             if child.status == 2:
                 refuse(f"{name} {child.how_it_ended()}")
 
-    def wait_for_router(self, within: float = 5.0) -> None:
-        """Returns when the router has had time to refuse; refuses when it did."""
-        router = self.processes.get(ROUTER)
-        deadline = time.monotonic() + min(within, EARLY)
-        while router is not None and time.monotonic() < deadline:
-            if router.status is not None:
-                refuse(f"{ROUTER} {router.how_it_ended()}", 1)
-            time.sleep(0.02)
+
+def start_router(children: Children, endpoint: str, folder: Path) -> None:
+    """Starts a router by itself; refuses if it cannot listen."""
+    arguments = ROUTER.arguments("", endpoint)
+    wait_for_router(children.start(Child(ROUTER.name, arguments, folder / f"{ROUTER.name}.log")))
 
 
-def _child(name: str, arguments: list[str], plan: Plan, logs: Path | None) -> Child:
-    return Child(name, arguments, logs / f"{name}.log" if logs else None)
+def wait_for_router(router: Child) -> None:
+    """Returns when the router has had time to refuse; refuses when it did."""
+    deadline = time.monotonic() + EARLY
+    while time.monotonic() < deadline:
+        if router.status is not None:
+            refuse(f"{ROUTER.name} {router.how_it_ended()}", 1)
+        time.sleep(0.02)

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from services.cli.certify import assignments
+from services.cli.certify import parameters_of
 from services.controller.parameters import ControllerParameters
 from shared.loop.config import service_parameters
+from shared.wire.codec import decode_map, encode_map
 from tests.conftest import Router, StartProcess
-from tests.services.cli.command import tandem
+from tests.services.cli.command import tandem_here
 from tests.support.wait import eventually
 
 CONFIG = """
@@ -52,28 +53,68 @@ def config(tmp_path: Path) -> Path:
     return path
 
 
-def test_assignments_restore_every_parameter(config: Path) -> None:
+def test_a_reply_holds_every_parameter_to_the_last_digit(config: Path) -> None:
     chosen = service_parameters("controller", ControllerParameters, config, [])
     default = ControllerParameters()
     for name in ControllerParameters.model_fields:
         assert getattr(chosen, name) != getattr(default, name), f"{name} is not tested"
-    assert service_parameters("controller", ControllerParameters, None, assignments(chosen.table())) == chosen
+    assert parameters_of(decode_map(encode_map(chosen.table()))) == chosen
+
+
+def test_the_table_names_what_limits(capsys: pytest.CaptureFixture[str]) -> None:
+    done = tandem_here(capsys, "certify", "--offline", "--torque-limit", "0.5,3,3", "--torque-error", "0.03")
+    assert done.returncode == 0
+    for words in ("limit about x", "mm/s", "excess", "strict"):
+        assert words in done.stdout
+
+
+def test_file_and_settings_are_certified_as_json(capsys: pytest.CaptureFixture[str], config: Path) -> None:
+    done = tandem_here(
+        capsys, "certify", "--config", str(config), "--set", "contact_stiffness=300.0", "--json"
+    )
+    found = json.loads(done.stdout)
+    assert found["form"].startswith("rounded") and len(found["axes"]) == 6
+    assert all(one["speed"] > 0 for one in found["axes"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (["--force-limit", "-3"], ("--force-limit", "-3")),
+        (["--force-limit", "1,2"], ("--force-limit", "1,2")),
+        (["--force-limit", "x"], ("--force-limit",)),
+        (["--force-error", "20"], ("25 N x", "20")),
+        (["--set", "period=3.0"], ("period", "0.2")),
+        (["--bogus"], ("--bogus",)),
+        *(
+            (["--orientation", text, "--json"], ("wanted a unit quaternion",))
+            for text in ("0,0,0,0", "0,0,1", "x")
+        ),
+    ],
+)
+def test_refusals_are_one_line_with_status_2(
+    arguments: list[str], parts: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = tandem_here(capsys, "certify", "--offline", *arguments)
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert all(part in line for part in parts), line
 
 
 @pytest.mark.processes
 @pytest.mark.timeout(180)
 def test_a_running_controller_is_certified_as_offline(
-    config: Path, shared_router: Router, start: StartProcess
+    config: Path, shared_router: Router, start: StartProcess, capsys: pytest.CaptureFixture[str]
 ) -> None:
     connect = ("--connect", shared_router.endpoint)
     start("services.controller", "--config", str(config), *connect)
 
     def running() -> str | None:
-        done = tandem("certify", *connect, "--json")
+        done = tandem_here(capsys, "certify", *connect, "--json")
         return done.stdout if "for the controller that runs" in done.stderr else None
 
     printed = eventually(running, 120.0, "the controller answers")
-    offline = tandem("certify", "--offline", "--config", str(config), "--json").stdout
+    offline = tandem_here(capsys, "certify", "--offline", "--config", str(config), "--json").stdout
     assert json.loads(printed) == json.loads(offline)
-    bare = tandem("certify", "--offline", "--json").stdout
+    bare = tandem_here(capsys, "certify", "--offline", "--json").stdout
     assert json.loads(bare)["axes"][0]["speed"] > 10 * json.loads(offline)["axes"][0]["speed"]

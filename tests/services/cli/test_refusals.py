@@ -8,10 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.services.cli.command import tandem
+from tests.services.cli.command import tandem_here
 from tests.support.ports import free_endpoint
-
-pytestmark = pytest.mark.processes
 
 
 @pytest.mark.parametrize(
@@ -53,8 +51,8 @@ pytestmark = pytest.mark.processes
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else None,
 )
-def test_refused_with_one_line(arguments: list[str], reason: str) -> None:
-    done = tandem(*arguments)
+def test_refused_with_one_line(arguments: list[str], reason: str, capsys: pytest.CaptureFixture[str]) -> None:
+    done = tandem_here(capsys, *arguments)
     assert done.returncode == 2
     assert done.stdout == ""
     assert re.search(reason, done.stderr)
@@ -63,13 +61,15 @@ def test_refused_with_one_line(arguments: list[str], reason: str) -> None:
 
 
 @pytest.mark.parametrize("command", [["up"], ["run", "load"]], ids=["up", "run"])
-def test_a_taken_port_is_named_with_another_choice(command: list[str], tmp_path: Path) -> None:
+def test_a_taken_port_is_named_with_another_choice(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
         out = ["--out", str(tmp_path)] if command[0] == "run" else []
-        done = tandem(*command, "--router", f"tcp/127.0.0.1:{port}", *out)
+        done = tandem_here(capsys, *command, "--router", f"tcp/127.0.0.1:{port}", *out)
     assert done.returncode == 1
     assert f"port {port} on 127.0.0.1" in done.stderr
     assert f"--router tcp/127.0.0.1:{port + 1}" in done.stderr
@@ -77,8 +77,10 @@ def test_a_taken_port_is_named_with_another_choice(command: list[str], tmp_path:
 
 
 @pytest.mark.parametrize("command", [["status"], ["topic", "hz"], ["tare"], ["param", "get", "controller"]])
-def test_without_a_router_says_how_to_start_one(command: list[str]) -> None:
-    done = tandem(*command, "--connect", free_endpoint())
+def test_without_a_router_says_how_to_start_one(
+    command: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = tandem_here(capsys, *command, "--connect", free_endpoint())
     assert done.returncode == 1
     assert "no router at" in done.stderr
     assert "tandem up" in done.stderr

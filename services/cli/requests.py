@@ -1,4 +1,4 @@
-"""Commands that only a simulated robot understands: load, hand, cover."""
+"""Commands that ask a stack one thing: tare, task; and load, hand, cover, which only a simulated robot can do."""
 
 from __future__ import annotations
 
@@ -8,11 +8,39 @@ from typing import Annotated, Any
 
 import typer
 
-from services.cli.ask import ask
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
-from services.cli.refusal import refuse
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse
 from shared import topics
 from shared.constants import GRAVITY
+
+
+def tare(
+    duration: Annotated[float, typer.Option(min=0.1, help="How long to average [s].")] = 1.0,
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Average the force-torque sensor while the robot is still and subtract that from now on."""
+    with open_bus(robot, connect) as bus:
+        reply = ask(bus, topics.WRENCH_TARE, {"duration": duration}, timeout=duration + 3.0)
+    typer.echo(f"tared over {reply['samples']} samples (sensor axes)")
+    for name, unit, bias, std in (
+        ("force", "N", reply["force"], reply["std"][:3]),
+        ("torque", "Nm", reply["torque"], reply["std"][3:]),
+    ):
+        shown = ", ".join(f"{value:+.3f} ± {spread:.3f}" for value, spread in zip(bias, std, strict=True))
+        typer.echo(f"{name:6} [{shown}] {unit}")
+
+
+def task(
+    command: Annotated[str, typer.Argument(help="start, abort, release or reset")],
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Tell the carrying task what to do; `tandem topic echo task/status` says what it does and why."""
+    with open_bus(robot, connect) as bus:
+        reply = ask(bus, topics.TASK_COMMAND, {"command": command})
+    typer.echo(
+        f"{command}: accepted, the task is {reply['state']}; what it does: tandem topic echo task/status"
+    )
 
 
 def load(

@@ -1,0 +1,67 @@
+"""`tandem hold`: a pose to hold within limits."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse, stop_event
+from services.cli.health.diagnose import control_line
+from shared import topics
+from shared.messages import ControlTarget
+from shared.schema.fields import InvalidField
+from shared.spatial import quaternion_from_rpy
+from shared.wire.client import Client
+
+REPEAT = 0.1  # [s] between two messages of the target
+
+
+def hold(
+    pose: Annotated[list[float], typer.Argument(help="X Y Z [m] ROLL PITCH YAW [rad] of the tool in base.")],
+    force_limit: Annotated[str, typer.Option(help="Largest force [N]: one number, or x,y,z.")] = "25",
+    torque_limit: Annotated[str, typer.Option(help="Largest torque [Nm]: one number, or x,y,z.")] = "10",
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Have the robot hold a pose within limits, until Ctrl-C (the last target then stays in force). Tare first."""
+    target = make_target(pose, limits("--force-limit", force_limit), limits("--torque-limit", torque_limit))
+    with open_bus(robot, connect) as bus:
+        client = Client(bus)
+        status = client.watch(topics.CONTROL_STATUS)
+        typer.echo(f"holding {pose} with {force_limit} N, {torque_limit} Nm (Ctrl-C ends this command)")
+        end, shown = stop_event(), ""
+        while not end.wait(REPEAT):
+            client.publish(topics.CONTROL_TARGET, target)
+            line = control_line(status.latest.message if status.latest else None)[0]
+            if line.split(":")[0] != shown:
+                shown = line.split(":")[0]
+                typer.echo(f"controller: {line}")
+    typer.echo("the last target stays in force")
+
+
+def make_target(pose: list[float], force: list[float], torque: list[float]) -> ControlTarget:
+    """The target message; refuses with the reason what no controller may be given."""
+    if len(pose) != 6:
+        refuse(f"a pose has six numbers (x y z roll pitch yaw), got {len(pose)}")
+    try:
+        return ControlTarget(
+            position=np.array(pose[:3]),
+            orientation=quaternion_from_rpy(*pose[3:]),
+            force_limit=np.array(force),
+            torque_limit=np.array(torque),
+        )
+    except InvalidField as problem:
+        refuse(str(problem))
+
+
+def limits(option: str, text: str) -> list[float]:
+    """One number for all axes, or three."""
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        refuse(f"{option} {text!r}: wanted a number or three, separated by commas")
+    if len(values) not in (1, 3):
+        refuse(f"{option} {text!r}: wanted one number or three, got {len(values)}")
+    return values * 3 if len(values) == 1 else values
