@@ -11,8 +11,7 @@ from shared.robot.gate import GateLimits
 from shared.robot.side import RobotSide
 from shared.service import Inputs, Output, Service, Wiring
 
-MAX_ACCELERATION, MAX_ANGULAR_ACCELERATION = 2.0, 4.0
-"""Of the tool's gate [m/s2, rad/s2]."""
+MAX_ACCELERATION, MAX_ANGULAR_ACCELERATION = 2.0, 4.0  # [m/s2, rad/s2] of the tool's gate
 
 
 class MockRobot(Service[MockParameters]):

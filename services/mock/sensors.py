@@ -12,8 +12,7 @@ from shared.service import Output
 from shared.spatial import Array, quaternion, wrench_about
 from shared.topics import SENSOR_FT, STATE_BASE, STATE_EE, STATE_GRIPPER, STATE_JOINTS
 
-TOOL_IN_SENSOR = np.array((0.2, 0.0, 0.0))
-"""The tool's origin from the sensor's [m]; both have the same axes."""
+TOOL_IN_SENSOR = np.array((0.2, 0.0, 0.0))  # [m] from the sensor's origin, in its axes, which are the tool's
 _NAMES = tuple(JOINTS)
 _NO_MOTION = np.zeros(6)
 

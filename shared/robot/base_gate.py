@@ -1,4 +1,4 @@
-"""The gate of a mobile base: like that of the tool (``shared.robot.gate``), but what it moves cannot stop at once.
+"""The gate of a mobile base: like that of the tool (``shared.robot.gate``), but a base cannot stop at once.
 
 A base weighs a hundred kilograms: its velocity changes at a limited rate, upwards and downwards alike, and silence or a
 stop means that it slows down along the path it is on.
@@ -14,15 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from shared.messages import LONGEST_TTL
-from shared.robot.gate import SILENCE
+from shared.robot.gate import INSTANT, SILENCE
 from shared.spatial import Array
 
-_INSTANT = 1e-9
-"""Less time [s] than this is none."""
-ASKED = 0.01
-"""Share of its limit above which an axis counts as asked for, next to others."""
-_WHOLE = 1.0 + 1e-9
-"""One rounding error of a command exactly at the limit is no excess."""
+ASKED = 0.01  # [1] share of its limit above which an axis counts as asked for, next to others
+_WHOLE = 1.0 + 1e-9  # [1] share of a limit: one rounding error of a command exactly at it is no excess
 
 
 class _Way(NamedTuple):
@@ -36,12 +32,12 @@ class _Way(NamedTuple):
 
     @property
     def closed(self) -> bool:
-        """Whether it cannot go that way at all."""
+        """Whether the base cannot go that way at all."""
         return self.limit == 0.0 and self.speed != 0.0
 
     @property
     def share(self) -> float:
-        """Of the limit [1]."""
+        """Share [1] of the limit that the speed is."""
         return abs(self.speed) / self.limit if self.limit else 0.0
 
 
@@ -67,14 +63,14 @@ class BaseLimits:
 
     @property
     def largest(self) -> Array:
-        """Largest velocity (3,) vx, vy [m/s], wz [rad/s] of each axis alone."""
+        """Largest velocity (3,) of each axis alone: vx, vy [m/s], wz [rad/s]."""
         return np.array((self.forwards, self.sideways, self.turning))
 
     def within(self, velocity: Array) -> tuple[Array, str]:
         """The velocity (3,) that the base can go, and the limit that has shortened it, in words; empty if none has.
 
-        It is shortened as a whole, so that the base stays on the path that was asked for; what it cannot go at all is
-        left out.
+        The velocity is shortened as a whole, so that the base stays on the path that was asked for; a way that it
+        cannot go at all is left out.
         """
         ways = self._ways(*velocity.tolist())
         asked = [way for way in ways if way.share > ASKED]
@@ -140,7 +136,7 @@ class BaseGate:
             self.clamped += 1
             self.clamped_by = over or f"ttl over {LONGEST_TTL:g} s"
         left = min(ttl, LONGEST_TTL) - max(age, 0.0)
-        if left <= _INSTANT:
+        if left <= INSTANT:
             self.late += 1
             return
         self._left = left
@@ -154,7 +150,7 @@ class BaseGate:
         """Velocity (3,) vx, vy [m/s], wz [rad/s] to execute during the next ``dt`` [s]."""
         if not self._at_work:
             return self._executed
-        if self._left <= _INSTANT:
+        if self._left <= INSTANT:
             if self._silent == math.inf and self._wanted.any():
                 self._silent = 0.0
             self._wanted = np.zeros(3)
@@ -170,6 +166,6 @@ class BaseGate:
         )
         self._executed = self._executed + change * (dt / needed) if needed > dt else wanted
         # Most of the time a base stands still, and this is asked in every physics step.
-        waiting = self._left > _INSTANT or self._silent < SILENCE
+        waiting = self._left > INSTANT or self._silent < SILENCE
         self._at_work = waiting or bool(self._executed.any())
         return self._executed

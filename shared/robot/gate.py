@@ -1,7 +1,7 @@
 """The gate: the last hop on the robot's side, in front of the simulation and of every hardware bridge alike.
 
-It executes a command only while it is fresh, never faster than allowed, and speeds up no more than allowed; silence
-means stop, and a stop stays until it is released. It knows nothing of the controller and trusts nobody.
+A gate executes a command only while it is fresh, never faster than allowed, and speeds up no more than allowed; silence
+means stop, and a stop stays until it is released. The gate knows nothing of the controller and trusts nobody.
 """
 
 from __future__ import annotations
@@ -14,11 +14,8 @@ import numpy as np
 from shared.messages import LONGEST_TTL
 from shared.spatial import Array
 
-_INSTANT = 1e-9
-"""Less time [s] than this is none."""
-
-SILENCE = 0.1
-"""Time [s] past its ``ttl`` after which a moving command counts as the last one before a silence."""
+INSTANT = 1e-9  # [s] of time that are none: rounding errors of durations stay below it
+SILENCE = 0.1  # [s] past its ``ttl`` after which a moving command counts as the last one before a silence
 
 
 @dataclass(frozen=True)
@@ -95,7 +92,7 @@ class Gate:
             self.clamped += 1
         self._want(wanted / max(excess, 1.0))
         self._left = min(ttl, LONGEST_TTL) - max(age, 0.0)
-        if self._left <= _INSTANT:
+        if self._left <= INSTANT:
             self.late += 1
             self._want(np.zeros(6))
 
@@ -116,7 +113,7 @@ class Gate:
         """
         if not 0.0 <= dt < math.inf:
             raise ValueError(f"dt is {dt}, wanted a finite duration in seconds")
-        if self._stopped or self._left <= _INSTANT:
+        if self._stopped or self._left <= INSTANT:
             self._broken_off = not self._stopped and (self._moving or self._broken_off)
             if not self._stopped and self._executed.any():
                 self._run_out()
@@ -125,7 +122,7 @@ class Gate:
         elif self._moving:
             # Of the last interval only the part that the ttl leaves: no command travels further than speed times ttl.
             left = self._left / dt if dt > self._left else 1.0
-            if dt - self._left > _INSTANT:
+            if dt - self._left > INSTANT:
                 self._run_out()
             # What is executed in full stays so: a process steps several times per command.
             if self._share < 1.0 or left < 1.0:

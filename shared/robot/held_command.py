@@ -13,22 +13,22 @@ M = TypeVar("M", bound=Record)
 Ranges = Mapping[str, tuple[float, float]]
 """Least and greatest value of each field of a command, by its name."""
 OLDEST = 1.0
-"""Age [s] up to which a command is taken over. Whoever sent it may have been stopped between deciding and sending, and
-what was right then, to open the fingers for one, need not be right any more."""
+"""[s] Age up to which a command is taken over. Its sender may have been stopped between deciding and sending, and what
+was right then, to open the fingers for one, may be wrong now."""
 
 
 class HeldCommand(Generic[M]):
     """The newest command of a topic.
 
     Attributes:
-        topic: of the command.
+        topic: of the commands.
         clamped: number of commands that asked for more than there is.
         doubtful: number of commands that their publisher marked as not to be trusted; they are not executed.
         late: number of commands that were too old; they are not executed.
         stopped: number of commands that came while a stop was engaged; they are not executed, later neither.
 
     Args:
-        topic: of the command.
+        topic: of the commands.
         ranges: what the robot can do.
     """
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from shared.messages import BaseTwistCommand, GripperCommand, HeadCommand, RobotStatus, TwistCommand
 from shared.robot.base_gate import BaseGate, BaseLimits
-from shared.robot.gate import Gate, GateLimits
+from shared.robot.gate import INSTANT, Gate, GateLimits
 from shared.robot.held_command import HeldCommand, Ranges
 from shared.schema.records import Record
 from shared.service import Inputs, Output, Reading
@@ -26,15 +26,13 @@ from shared.topics import (
 M = TypeVar("M", bound=Record)
 
 HOLDING_AFTER = 0.1
-"""Time [s] without a fresh command after which the robot says that it holds: commands at 30 Hz with a ``ttl`` of 20 ms
+"""[s] Time without a fresh command after which the robot says that it holds: commands at 30 Hz with a ``ttl`` of 20 ms
 would else change its mode sixty times a second. Motions broken off more shortly are counted, and told so much later
 at most."""
-_INSTANT = 1e-9
-"""Less time [s] than this is none."""
 
 
 class _Pending(Generic[M]):
-    """The newest command of a topic until the instant at which it arrived is reached."""
+    """The newest command of a topic, kept until the instant of its arrival is reached."""
 
     def __init__(self, topic: Topic[M]) -> None:
         self._topic = topic
@@ -52,7 +50,7 @@ class _Pending(Generic[M]):
         age = self._age
         self._age += dt
         reading = self._reading
-        if reading is None or age <= -_INSTANT:
+        if reading is None or age <= -INSTANT:
             return None
         self._reading = None
         return reading, age
@@ -62,7 +60,7 @@ class _Pending(Generic[M]):
 
 
 class RobotSide:
-    """The gates with their inputs in front and ``state/robot`` behind them; simulation and bridges differ in neither.
+    """The gates, with their inputs in front and ``state/robot`` behind them: the same for simulation and bridges.
 
     A robot process has ``INPUTS`` among the inputs of its wiring. In each step it calls ``take`` once, ``advance`` and
     ``advance_base`` once or more often, and ``report`` once; where it brakes, ``hold``.
@@ -168,9 +166,9 @@ class RobotSide:
         mode = self.mode
         news = (
             self.gate.held != self._told_held
-            and self._until_report <= 1.0 / STATE_ROBOT.rate - HOLDING_AFTER + _INSTANT
+            and self._until_report <= 1.0 / STATE_ROBOT.rate - HOLDING_AFTER + INSTANT
         )
-        if mode == self._told and not news and self._until_report > _INSTANT:
+        if mode == self._told and not news and self._until_report > INSTANT:
             return []
         gate, base = self.gate, self.base_gate
         parts = (
@@ -201,7 +199,7 @@ class RobotSide:
         # Late by less than a period it keeps its rate, by more it does not catch up.
         period = 1.0 / STATE_ROBOT.rate
         self._until_report = (
-            self._until_report + period if -period < self._until_report <= _INSTANT else period
+            self._until_report + period if -period < self._until_report <= INSTANT else period
         )
         limits = self.gate.limits
         status = RobotStatus(

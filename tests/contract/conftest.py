@@ -8,7 +8,7 @@ import pytest
 
 from shared.topics import COMMAND_EE_TWIST, Topic
 from tests.conftest import Router, _processes
-from tests.contract.robot import Commander, Robot, RobotProcess, launch, lives_through
+from tests.contract.robot import Commander, Robot, RobotProcess, lives_through
 
 ROBOTS = {
     "sim": RobotProcess("services.sim"),
@@ -33,7 +33,7 @@ def robot(
     """One process for all tests of a file: it has to live through all of them."""
     with _processes(tmp_path_factory.mktemp("robot")) as start_process:
         robot = Robot(shared_router.endpoint)
-        with lives_through(robot, launch(kind, shared_router.endpoint, start_process)):
+        with lives_through(robot, start_process(kind.module, *robot.options)):
             yield robot
 
 

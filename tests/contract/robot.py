@@ -143,6 +143,7 @@ class Robot(Network):
     def __init__(self, endpoint: str, name: str = NAME) -> None:
         super().__init__(endpoint)
         self._name = name
+        self.options = ("--robot", name, "--connect", endpoint)
         self.heard: dict[str, deque[Heard]] = {}
         self.rejected: list[str] = []
         keys = [topic.key for topic in TOPICS if topic is not SENSOR_CAMERA] + ["health/*"]
@@ -230,9 +231,6 @@ class Robot(Network):
     def base_at_rest(self) -> bool:
         return bool((np.abs(self.base.velocity) < (2e-3, 2e-3, 4e-3)).all())
 
-    def base_rests(self) -> None:
-        eventually(self.base_at_rest, PATIENCE, "the base stands still")
-
     def counted(self, what: str) -> int:
         """How many cases of that kind the robot has named so far."""
         cases = re.findall(rf"{what}[^;,]*?: (\d+)|(\d+) [^;,]*?{what}", self.status.reason)
@@ -253,14 +251,3 @@ def lives_through(robot: Robot, process: Process) -> Iterator[Robot]:
     robot.close()
     assert process.running, process.output
     assert "Traceback" not in process.output, process.output
-
-
-def launch(
-    kind: RobotProcess,
-    endpoint: str,
-    start: Callable[..., Process],
-    options: tuple[str, ...] = (),
-    name: str = NAME,
-) -> Process:
-    """Start the process."""
-    return start(kind.module, "--robot", name, "--connect", endpoint, *options)

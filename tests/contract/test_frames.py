@@ -10,7 +10,7 @@ import pytest
 from shared.spatial import cross, rotation_matrix, rotation_vector
 from shared.topics import SENSOR_FT, STATE_EE
 from tests.conftest import Router, _processes
-from tests.contract.robot import PATIENCE, ZERO, Commander, Robot, RobotProcess, launch
+from tests.contract.robot import PATIENCE, ZERO, Commander, Robot, RobotProcess
 from tests.support.wait import eventually
 
 pytestmark = pytest.mark.processes
@@ -80,7 +80,7 @@ def with_a_kilogram(
     with _processes(tmp_path_factory.mktemp("loaded")) as start_process:
         # Under a name of its own: two robots of one name would be two publishers.
         loaded = Robot(shared_router.endpoint, "loaded")
-        launch(kind, shared_router.endpoint, start_process, kind.with_a_kilogram, "loaded")
+        start_process(kind.module, *loaded.options, *kind.with_a_kilogram)
         yield loaded.started()
         loaded.close()
 

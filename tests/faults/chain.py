@@ -139,7 +139,7 @@ class Chain:
         self._paused = paused
 
     def tare(self) -> None:
-        """Without it the error bound of the uncompensated sensor leaves no room within the limits."""
+        """Tare: else the error bound of the uncompensated sensor leaves no room within the limits."""
         with running(self.program("tests.faults.programs", "healthy")):
             eventually(self._tared, PATIENCE, "the sensor is tared")
 
@@ -199,3 +199,14 @@ def running(process: Process) -> Iterator[Process]:
         yield process
     finally:
         process.stop()
+
+
+@contextmanager
+def tared(router: Router, start: StartProcess, state: Path) -> Iterator[Chain]:
+    """A chain that works as soon as there is a robot."""
+    chain = Chain(router, start, state)
+    try:
+        chain.tare()
+        yield chain
+    finally:
+        chain.close()

@@ -13,7 +13,7 @@ from shared.schema.records import Record
 from shared.service import Inputs
 from shared.topics import COMMAND_GRIPPER, COMMAND_HEAD, STATE_ROBOT, STOP, Topic
 from tests.shared.rig import Publisher
-from tests.shared.robot_rig import Process
+from tests.shared.robot.rig import Process
 
 OPEN, AWAY = GripperCommand(0.08, 16.0), HeadCommand(0.3, -0.2)
 

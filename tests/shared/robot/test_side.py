@@ -9,7 +9,7 @@ from shared.robot.gate import SILENCE
 from shared.robot.side import HOLDING_AFTER
 from shared.service import Inputs, Reading
 from shared.topics import COMMAND_BASE_TWIST, COMMAND_EE_TWIST, STOP
-from tests.shared.robot_rig import FORWARDS, ZERO, Process
+from tests.shared.robot.rig import FORWARDS, ZERO, Process
 
 
 @pytest.fixture

@@ -16,7 +16,6 @@ from services.sim.parameters import SimParameters
 from services.sim.robot.head import Head
 from services.sim.robot.kinematics import CARRY_HOME
 from shared import topics
-from shared.clock import nanoseconds
 from shared.messages import CameraImage, HeadCommand
 from shared.parameters import Refused
 from shared.spatial import quaternion, rotation_from_vector, rotation_matrix
@@ -210,24 +209,17 @@ def test_covered_it_is_gone_until_it_is_uncovered(rig: Watched, uncover: dict[st
     assert rig.picture[whole_polygon(corners)].min() < 60
 
 
-def test_camera_faults(rig: Watched) -> None:
-    for kind in ("off", "garbage"):
-        rig.ask(command="fault", target="camera", kind=kind)
-        before = len(rig.received["sensor/camera"])
-        rig.run(0.5)
-        assert len(rig.received["sensor/camera"]) == before
+def test_no_two_pictures_are_the_same_but_those_of_a_stuck_camera_which_repeats_its_pose_too(
+    rig: Watched,
+) -> None:
     pictures = [received.message.data for received in rig.received["sensor/camera"][-5:]]
-    assert len(set(pictures)) == 5, "no two are the same, although nothing moves"
+    assert len(set(pictures)) == 5, "although nothing moves"
     rig.ask(command="fault", target="camera", kind="stuck")
     rig.run(0.5)
     assert len({received.message.data for received in rig.received["sensor/camera"][-3:]}) == 1
     pose = rig.last(topics.SENSOR_CAMERA).orientation
     rig.look(0.3, -0.5)
     assert rig.last(topics.SENSOR_CAMERA).orientation == pytest.approx(pose)
-    rig.ask(command="fault", target="camera", kind="delay", value=0.4)
-    rig.run(1.0)
-    late = rig.received["sensor/camera"][-1]
-    assert rig.stack.scheduler.clock.now_ns() - late.header.stamp >= nanoseconds(0.4)
     rig.ask(command="fault", target="camera", kind="ok")
     rig.look(-0.45, -0.5)
     assert rig.last(topics.SENSOR_CAMERA).orientation == pytest.approx(pose, abs=1e-6)

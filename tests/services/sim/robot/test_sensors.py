@@ -68,18 +68,6 @@ def test_off_is_silence_and_only_of_that_sensor() -> None:
         assert all(len(rig.received[key]) > before[key] for key in keys)
 
 
-def test_stuck_repeats_one_reading_although_the_load_changes() -> None:
-    rig = Rig()
-    rig.ask(command="fault", target="ft", kind="stuck")
-    rig.run(0.02)
-    before = len(rig.received["sensor/ft"])
-    rig.ask(command="load", mass=2.0)
-    rig.run(1.0)
-    stuck = np.array([m.force for m in rig.all(topics.SENSOR_FT)[before:]])
-    assert len(stuck) == 100
-    assert (stuck == stuck[0]).all()
-
-
 def test_stuck_encoders_repeat_one_position() -> None:
     rig = Rig()
     rig.ask(command="fault", target="joints", kind="stuck")
