@@ -164,26 +164,23 @@ def test_an_excessive_ttl_is_clamped_and_counted() -> None:
     assert not twist.any()
 
 
-def test_the_age_of_a_command_counts_towards_its_ttl() -> None:
-    gate = Gate(LIMITS)
-    gate.command(np.array((0.1, 0.0, 0.0)), np.zeros(3), ttl=0.05, age=0.06)
-    assert not gate.advance(DT).any()
-    assert gate.late == 1 and gate.expired == 0 and gate.mode == "holding"
-
-
-def test_an_invalid_command_means_stop() -> None:
+@pytest.mark.parametrize(
+    ("y", "age", "valid", "late"),
+    [
+        (0.0, 0.0, False, 0),
+        (0.0, 0.11, True, 1),
+        (math.nan, 0.0, True, 0),
+        (math.inf, 0.0, True, 0),
+        (-math.inf, 0.0, True, 0),
+    ],
+    ids=["invalid", "older than its ttl", "NaN", "infinite", "minus infinite"],
+)
+def test_what_is_no_command_to_execute_means_stop(y: float, age: float, valid: bool, late: int) -> None:
     gate = gate_with((0.1, 0.0, 0.0))
     gate.advance(DT)
-    gate.command(np.array((0.1, 0.0, 0.0)), np.zeros(3), 0.1, age=0.0, valid=False)
+    gate.command(np.array((0.1, y, 0.0)), np.zeros(3), 0.1, age, valid)
     assert not gate.advance(DT).any()
-
-
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_a_command_that_is_not_finite_means_stop(bad: float) -> None:
-    gate = gate_with((0.1, 0.0, 0.0))
-    gate.advance(DT)
-    gate.command(np.array((0.1, bad, 0.0)), np.zeros(3), 0.1, age=0.0)
-    assert not gate.advance(DT).any()
+    assert (gate.held, gate.late, gate.expired, gate.mode) == (1, late, 0, "holding")
 
 
 def test_a_silent_controller_is_counted_once() -> None:
@@ -233,15 +230,6 @@ def test_commands_in_time_and_a_stop_are_no_holding() -> None:
     for _ in range(50):
         gate.advance(DT)
     assert gate.held == 0
-
-
-@pytest.mark.parametrize(("age", "valid"), [(1.0, True), (0.0, False)], ids=["late", "invalid"])
-def test_a_command_that_must_not_be_executed_breaks_a_motion_off(age: float, valid: bool) -> None:
-    gate = gate_with((0.1, 0.0, 0.0))
-    gate.advance(DT)
-    gate.command(np.array((0.1, 0.0, 0.0)), np.zeros(3), 0.1, age, valid)
-    gate.advance(DT)
-    assert gate.held == 1
 
 
 def test_a_stop_is_latched_until_it_is_released() -> None:
