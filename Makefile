@@ -27,7 +27,7 @@ setup: $(READY) ## make .venv with everything pinned (the other targets do it by
 $(READY): pyproject.toml $(REQUIREMENTS)/all.txt $(REQUIREMENTS)/uv.txt
 	@python=""; bare=""; \
 	for candidate in "$${PYTHON:-}" python3.11 python3 python /usr/bin/python3.11 \
-			"$${PYENV_ROOT:-$$HOME/.pyenv}"/versions/3.11*/bin/python; do \
+			"$${PYENV_ROOT:-$$HOME/.pyenv}"/versions/3.11*/bin/python "$$(uv python find 3.11 2>/dev/null)"; do \
 		[ -n "$$candidate" ] || continue; \
 		"$$candidate" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null || continue; \
 		if "$$candidate" -c 'import ensurepip' 2>/dev/null; then python="$$candidate"; break; fi; \
@@ -36,9 +36,10 @@ $(READY): pyproject.toml $(REQUIREMENTS)/all.txt $(REQUIREMENTS)/uv.txt
 	if [ -z "$$python" ] && [ -n "$$bare" ]; then \
 		echo "make setup: $$bare has no ensurepip; install it: apt-get install python3.11-venv" >&2; exit 2; \
 	elif [ -z "$$python" ]; then \
-		echo "make setup: no Python 3.11 found (the only one that pybullet has wheels for);" \
-			"get it: apt-get install python3.11 python3.11-venv, or: pyenv install 3.11;" \
-			"or name one: make setup PYTHON=/path/to/python3.11" >&2; exit 2; \
+		echo "make setup: no Python 3.11 found (the only one that pybullet, the simulation's physics, has wheels for);" \
+			"get it: apt-get install python3.11 python3.11-venv, or: uv python install 3.11, or: pyenv install 3.11;" \
+			"or name one: make setup PYTHON=/path/to/python3.11; all but the simulation runs with a newer one too:" \
+			"pip install '.[controller,task,experiment,cli]'" >&2; exit 2; \
 	fi; \
 	if ! $(BIN)/python -m pip --version >/dev/null 2>&1; then \
 		echo "setup: $(VENV) with $$($$python --version)"; "$$python" -m venv --clear $(VENV); \

@@ -12,11 +12,32 @@ from typing import NoReturn
 def enter(module: str) -> NoReturn:
     """Run ``main()`` of a module and end the process with the exit status that it returns.
 
-    SIGTERM and SIGINT end the process with status 0 even while the module is still being imported.
+    SIGTERM and SIGINT end the process with status 0 even while the module is still being imported. What the service
+    needs and is not installed ends it with status 2 and one line.
     """
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda _number, _frame: os._exit(0))
-    end(importlib.import_module(module).main())
+    try:
+        status = importlib.import_module(module).main()
+    except ModuleNotFoundError as problem:
+        package = (problem.name or "").partition(".")[0]
+        if package in ("", "services", "shared"):
+            raise
+        print(_not_installed(module.split(".")[1], package), file=sys.stderr)
+        status = 2
+    end(status)
+
+
+def _not_installed(service: str, package: str) -> str:
+    from shared.processes import process_named
+
+    extra = process_named(service).extra
+    remedy = f"pip install 'tandem[{extra}]'" if extra else "install tandem with its dependencies"
+    if package == "pybullet" and sys.version_info >= (3, 12):
+        remedy = (
+            f"it has no wheels above Python 3.11, and this is {sys.version_info[0]}.{sys.version_info[1]}"
+        )
+    return f"{service}: needs {package}, which is not installed: {remedy}"
 
 
 def end(status: int) -> NoReturn:
