@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, refuse
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, refuse, three
 from services.controller.guarantee import as_map, as_text
 from services.controller.parameters import ControllerParameters
 from shared import topics
@@ -111,15 +111,10 @@ def parameters_of(table: dict[str, dict[str, Any]]) -> ControllerParameters:
 
 
 def _three(option: str, text: str) -> Array:
-    try:
-        numbers = [float(part) for part in text.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) not in (1, 3) or not all(0.0 <= number < 1e6 for number in numbers):
-        raise Misconfigured(
-            f"{option} {text!r}: wanted one number or three, separated by commas, not negative"
-        )
-    return np.array(numbers * (3 // len(numbers)))
+    values = np.array(three(option, text))
+    if not np.all((values >= 0.0) & (values < 1e6)):
+        refuse(f"{option} {text!r}: wanted one number or three, separated by commas, not negative")
+    return values
 
 
 def _rotation(text: str) -> Array:

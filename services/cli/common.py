@@ -15,7 +15,8 @@ from shared.parameters import Refused
 from shared.topics import Query
 from shared.wire.bus import Bus, NoReply
 from shared.wire.client import Client
-from shared.wire.zenoh import DEFAULT_ENDPOINT, BusError, ZenohBus
+from shared.wire.zenoh import DEFAULT_ENDPOINT as DEFAULT_ENDPOINT
+from shared.wire.zenoh import BusError, ZenohBus
 
 Robot = Annotated[
     str,
@@ -27,22 +28,16 @@ Connect = Annotated[
     str,
     typer.Option("--connect", envvar="TANDEM_CONNECT", help="Endpoint of the router of the running stack."),
 ]
+Router = Annotated[
+    str,
+    typer.Option(
+        "--router", envvar="TANDEM_CONNECT", help="Endpoint that the stack's own router listens on."
+    ),
+]
 DEFAULT_ROBOT = "tiago"
 CONNECT_WITHIN = 2.0  # [s]
 USAGE = 2
 """Exit status of a command that was given something it cannot take."""
-
-__all__ = [
-    "DEFAULT_ENDPOINT",
-    "DEFAULT_ROBOT",
-    "USAGE",
-    "Connect",
-    "Robot",
-    "ask",
-    "open_bus",
-    "refuse",
-    "stop_event",
-]
 
 
 def refuse(text: str, status: int = USAGE) -> NoReturn:
@@ -83,6 +78,17 @@ def ask(bus: Bus, query: Query, request: dict[str, Any], timeout: float = 3.0) -
         )
     except Refused as problem:
         refuse(f"{query.server} refused: {problem}", 1)
+
+
+def three(option: str, text: str) -> list[float]:
+    """One number for all axes, or three; refuses what is neither."""
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        refuse(f"{option} {text!r}: wanted a number or three, separated by commas")
+    if len(values) not in (1, 3):
+        refuse(f"{option} {text!r}: wanted one number or three, got {len(values)}")
+    return values * 3 if len(values) == 1 else values
 
 
 def stop_event() -> threading.Event:

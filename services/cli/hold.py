@@ -7,7 +7,16 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse, stop_event
+from services.cli.common import (
+    DEFAULT_ENDPOINT,
+    DEFAULT_ROBOT,
+    Connect,
+    Robot,
+    open_bus,
+    refuse,
+    stop_event,
+    three,
+)
 from services.cli.health.diagnose import control_line
 from shared import topics
 from shared.messages import ControlTarget
@@ -26,7 +35,7 @@ def hold(
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
     """Have the robot hold a pose within limits, until Ctrl-C (the last target then stays in force). Tare first."""
-    target = make_target(pose, limits("--force-limit", force_limit), limits("--torque-limit", torque_limit))
+    target = make_target(pose, three("--force-limit", force_limit), three("--torque-limit", torque_limit))
     with open_bus(robot, connect) as bus:
         client = Client(bus)
         status = client.watch(topics.CONTROL_STATUS)
@@ -54,14 +63,3 @@ def make_target(pose: list[float], force: list[float], torque: list[float]) -> C
         )
     except InvalidField as problem:
         refuse(str(problem))
-
-
-def limits(option: str, text: str) -> list[float]:
-    """One number for all axes, or three."""
-    try:
-        values = [float(part) for part in text.split(",")]
-    except ValueError:
-        refuse(f"{option} {text!r}: wanted a number or three, separated by commas")
-    if len(values) not in (1, 3):
-        refuse(f"{option} {text!r}: wanted one number or three, got {len(values)}")
-    return values * 3 if len(values) == 1 else values

@@ -9,8 +9,8 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse
-from services.cli.hold import REPEAT, limits, make_target
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse, three
+from services.cli.hold import REPEAT, make_target
 from shared import topics
 from shared.messages import ControlTarget, EndEffector, RobotStatus
 from shared.parameters import Refused
@@ -40,7 +40,7 @@ def identify(
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
     """Identify mass, centre of mass and sensor biases: tilts the tool about its present position, ten poses."""
-    force, torque = limits("--force-limit", force_limit), limits("--torque-limit", torque_limit)
+    force, torque = three("--force-limit", force_limit), three("--torque-limit", torque_limit)
     with open_bus(robot, connect) as bus:
         client = Client(bus)
         subscription, status = client.watch(topics.STATE_EE), client.watch(topics.STATE_ROBOT)

@@ -6,7 +6,7 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,20 +16,18 @@ from rich.table import Table
 from rich.text import Text
 
 from services.cli.background import Background, NoResult
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Robot, refuse, stop_event
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Robot, Router, refuse, stop_event
 from services.cli.progress import Progress
 from services.cli.stack.children import Children
 from services.cli.stack.lane import Lane
 from services.cli.stack.plan import Plan, check_port, write_config
 from services.cli.stack.processes import start_router
-from services.cli.up import Router
 from services.experiment import experiments
 from services.experiment.experiments import EXPERIMENTS
 from services.experiment.measure.claim import Claim
 from services.experiment.measure.claim import Table as Figures
 from services.experiment.play.course import Run
 from services.experiment.play.recording import RECORDING
-from services.experiment.spec import Experiment
 
 if TYPE_CHECKING:
     from services.experiment.report.report import Report
@@ -113,19 +111,25 @@ def _run(
     )
     studio = Studio(folder / experiment.shown(runs).name if film else None)
     with Children() as children:
+
+        def lane(number: int, run: Run) -> Lane:
+            config = write_config(run.settings, folder / run.name / "config.toml")
+            plan = Plan(f"{robot}-{number + 1}" if number else robot, router, config, further=run.further)
+            return Lane(name, run, plan, folder / run.name, children)
+
         start_router(children, router, folder)
-        stage = Stage(experiment, folder, children, (robot, router), parallel)
-        failures = stage.play(runs, stop, studio)
+        with Progress([run.title for run in runs], experiment.duration) as progress:
+            failures = _play(runs, lane, parallel, progress, stop, studio)
     studio.start_if_recorded()
     console.print("waiting for the film, then judging and drawing" if studio.busy else "judging and drawing")
     while studio.busy and not stop.wait(POLL):
         pass
-    if stop.is_set():
-        refuse(f"interrupted; what was recorded lies in {folder}", INTERRUPTED)
-    commands = [f"tandem {' '.join(sys.argv[1:])}", *(_by_hand(run, folder) for run in runs)]
-    report = Background(
-        experiments.report, folder, commands, log=folder / "report.log", patience=REPORT_WITHIN
-    )
+    commands = [f"tandem {' '.join(sys.argv[1:])}"]
+    for run in runs:
+        further = "".join(f" --with {service}" for service in run.further)
+        commands.append(f"{run.name}: tandem up --config {folder}/{run.name}/config.toml{further}")
+    log = folder / "report.log"
+    report = Background(experiments.report, folder, commands, log=log, patience=REPORT_WITHIN)
     while report.busy and not stop.wait(POLL):
         pass
     if stop.is_set():
@@ -133,6 +137,35 @@ def _run(
     for line in [*failures, *studio.problems()]:
         console.print(f"failed: {line}", style="red", highlight=False, soft_wrap=True)
     _conclude(console, folder, report, failures)
+
+
+def _play(
+    runs: Sequence[Run],
+    lane: Callable[[int, Run], Lane],
+    parallel: int,
+    progress: Progress,
+    stop: threading.Event,
+    studio: Studio,
+) -> list[str]:
+    """Plays all runs, `parallel` at a time; returns a line for each that did not complete."""
+    waiting, failures = list(runs), []
+    lanes: dict[int, Lane] = {}
+    while (waiting or lanes) and not stop.wait(POLL):
+        for number, one in list(lanes.items()):
+            progress.show(one.title, one.phase, one.elapsed, one.trouble(), one.reason)
+            if one.finished():
+                failure = one.close()
+                progress.end(one.title, failure)
+                failures += [failure] if failure else []
+                del lanes[number]
+        for number in range(parallel):
+            if waiting and number not in lanes:
+                lanes[number] = lane(number, waiting.pop(0))
+        if not waiting and (len(lanes) < parallel or not lanes):
+            studio.start_if_recorded()  # a core has become free
+    for one in lanes.values():
+        one.close()
+    return failures
 
 
 class Studio:
@@ -165,63 +198,6 @@ class Studio:
         except NoResult as problem:
             return [f"no film: {problem}"]
         return []
-
-
-class Stage:
-    """Plays runs side by side.
-
-    Args:
-        experiment: of the runs.
-        folder: that each run gets a folder in.
-        children: takes charge of the processes.
-        where: robot and router; the robots beside the first one get numbers.
-        parallel: how many runs at a time.
-    """
-
-    def __init__(
-        self, experiment: Experiment, folder: Path, children: Children, where: tuple[str, str], parallel: int
-    ) -> None:
-        self._experiment = experiment
-        self._folder = folder
-        self._children = children
-        self._robot, self._router = where
-        self._parallel = parallel
-
-    def play(self, runs: Sequence[Run], stop: threading.Event, studio: Studio) -> list[str]:
-        """Plays all runs; returns a line for each that did not complete."""
-        waiting = list(runs)
-        lanes: dict[int, Lane] = {}
-        failures = []
-        with Progress([run.title for run in runs], self._experiment.duration) as progress:
-            while (waiting or lanes) and not stop.wait(POLL):
-                for number, lane in list(lanes.items()):
-                    progress.show(lane.title, lane.phase, lane.elapsed, lane.trouble(), lane.reason)
-                    if lane.finished():
-                        failure = lane.close()
-                        progress.end(lane.title, failure)
-                        failures += [failure] if failure else []
-                        del lanes[number]
-                for number in range(self._parallel):
-                    if waiting and number not in lanes:
-                        lanes[number] = self._lane(number, waiting.pop(0))
-                if not waiting and (len(lanes) < self._parallel or not lanes):
-                    studio.start_if_recorded()  # a core has become free
-            for lane in lanes.values():
-                lane.close()
-        return failures
-
-    def _lane(self, number: int, run: Run) -> Lane:
-        folder = self._folder / run.name
-        config = write_config(run.settings, folder / "config.toml")
-        robot = f"{self._robot}-{number + 1}" if number else self._robot
-        plan = Plan(robot, self._router, config, further=run.further)
-        return Lane(self._experiment.name, run, plan, folder, self._children)
-
-
-def _by_hand(run: Run, folder: Path) -> str:
-    """How to start the stack of a run by hand."""
-    further = "".join(f" --with {service}" for service in run.further)
-    return f"{run.name}: tandem up --config {folder}/{run.name}/config.toml{further}"
 
 
 def _conclude(console: Console, folder: Path, work: Background[Report], failures: list[str]) -> None:

@@ -15,7 +15,16 @@ import typer
 from rich.console import Console
 from rich.live import Live
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse, stop_event
+from services.cli.common import (
+    DEFAULT_ENDPOINT,
+    DEFAULT_ROBOT,
+    Connect,
+    Robot,
+    Router,
+    open_bus,
+    refuse,
+    stop_event,
+)
 from services.cli.health import diagnose
 from services.cli.health.diagnose import Row
 from services.cli.health.view import stack_view
@@ -42,12 +51,6 @@ REFRESH = 0.25  # [s]
 ROUTER_WITHIN = 60.0  # [s] for the stack's own router to listen, on a machine that is busy
 SPEAKS_WITHIN = 30.0  # [s] for a process to say the first word
 
-Router = Annotated[
-    str,
-    typer.Option(
-        "--router", envvar="TANDEM_CONNECT", help="Endpoint that the stack's own router listens on."
-    ),
-]
 Config = Annotated[
     Path | None, typer.Option("--config", envvar="TANDEM_CONFIG", help="TOML file with a table per service.")
 ]

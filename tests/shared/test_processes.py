@@ -18,7 +18,7 @@ every_process = pytest.mark.parametrize("process", PROCESSES, ids=lambda process
 
 def test_every_folder_of_services_has_a_row() -> None:
     folders = {path.parent.name for path in (ROOT / "services").glob("*/__main__.py")}
-    assert folders <= {process.name for process in PROCESSES}
+    assert folders == {process.name for process in PROCESSES}
 
 
 def test_topics_and_queries_name_processes() -> None:
