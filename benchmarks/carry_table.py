@@ -12,8 +12,7 @@ from collections.abc import Sequence
 from benchmarks.experiment_stack import play_run
 from services.experiment.carry.carry import CARRY
 from services.experiment.carry.carry_measures import measure
-from services.experiment.carry.notes import notes
-from services.experiment.carry.tables import tables
+from services.experiment.carry.carry_tables import notes, tables
 from services.experiment.measure.claim import Table
 
 RUNS = ("certified-omni", "certified-differential", "certified-none", "paper-omni", "stiffness-omni")

@@ -113,15 +113,9 @@ def start(
     """Run one service in the foreground with the options of the stack that it belongs to."""
     if service not in STARTS:
         refuse(f"{service!r} is no service of the stack; choose from {', '.join(STARTS)}")
-    known = remembered(robot, connect)
-    plan = Plan(robot, connect, check_config(config), {service: settings})
-    if known is not None:
-        plan = Plan(
-            robot,
-            connect,
-            plan.config or known.config,
-            {service: [*known.settings.get(service, []), *settings]},
-        )
+    known = remembered(robot, connect) or Plan(robot, connect)
+    given = {service: [*known.settings.get(service, []), *settings]}
+    plan = Plan(robot, connect, check_config(config) or known.config, given)
     command = ["-m", process_named(service).module, *plan.arguments(service)]
     typer.echo(f"starting: python {' '.join(command)}", err=True)
     sys.stdout.flush()

@@ -9,8 +9,7 @@ from services.experiment.carry.carry_claims import judge
 from services.experiment.carry.carry_course import CarrySequence
 from services.experiment.carry.carry_film import film_data
 from services.experiment.carry.carry_measures import Measures, measure
-from services.experiment.carry.notes import notes
-from services.experiment.carry.tables import tables
+from services.experiment.carry.carry_tables import notes, tables
 from services.experiment.play.course import Run
 from services.experiment.play.recording import Recording
 from services.experiment.spec import Account, Drawn, Experiment

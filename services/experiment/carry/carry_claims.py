@@ -15,7 +15,7 @@ from services.experiment.carry.carry_measures import Measures
 from services.experiment.carry.carry_protocol import FORCE_LIMIT, PANEL_MASS, TORQUE_LIMIT
 from services.experiment.carry.following_claims import follows
 from services.experiment.carry.grip import ON_GROUND
-from services.experiment.measure.claim import Claim
+from services.experiment.measure.claim import Claim, Row
 from services.experiment.play.course import Run
 from shared.constants import GRAVITY
 
@@ -44,28 +44,28 @@ def judge(runs: Mapping[str, Run], measured: Mapping[str, Measures]) -> list[Cla
     claims: list[Claim] = []
     for name, run in runs.items():
         found = measured[name]
-        always = [_asks_for_the_limits(name, found), _not_dropped(name, found)]
+        always = [_asks_for_the_limits(found), _not_dropped(found)]
         if run.law == "stiffness":
-            claims += [*always, _breaks(name, found)]
+            claims += Claim.of(name, [*always, _breaks(found)])
             continue
-        claims += [_in_order(name, found), *always, _level(name, found)]
+        rows = [_in_order(found), *always, _level(found)]
         if run.law == "certified":
-            claims += _limits(name, found)
-        claims += [_eases(name, found), *follows(name, found.followed)]
-        claims += _puts_down(name, found)
+            rows += _limits(found)
+        rows += [_eases(found), *follows(name.rpartition("-")[2], found.followed), *_puts_down(found)]
+        claims += Claim.of(name, rows)
     if {"certified-omni", "paper-omni"} <= runs.keys():
-        claims += _against_the_paper(measured["certified-omni"], measured["paper-omni"])
+        rows = _against_the_paper(measured["certified-omni"], measured["paper-omni"])
+        claims += Claim.of("certified-omni, paper-omni", rows)
     return claims
 
 
-def _in_order(run: str, found: Measures) -> Claim:
+def _in_order(found: Measures) -> Row:
     reached = _without_returns([state for state, _ in found.states])
     done = tuple(doing for doing, _ in found.doings)
     complete = reached == STATES and done == DOINGS
     finished = f"{len(STATES)} states, done after {found.states[-1][1]:.0f} s"
     stuck = f"{found.states[-1][0]} ({found.reason}), person: {done[-1] if done else 'nothing'}"
-    return Claim(
-        run,
+    return (
         "every state and phase in order",
         "goes through every state of the task, and the person through the script, in order",
         finished if complete else stuck,
@@ -85,13 +85,12 @@ def _without_returns(states: list[str]) -> tuple[str, ...]:
     return tuple(kept)
 
 
-def _asks_for_the_limits(run: str, found: Measures) -> Claim:
+def _asks_for_the_limits(found: Measures) -> Row:
     """The limits that everything else is judged by come from the task, which is judged here."""
     it = found.asked
     limits = f"limits {it.off:g} off" if it.off > ROUNDING else "limits as stated"
     others = f", {it.other:g} elsewhere" if it.other > ROUNDING else ""
-    return Claim(
-        run,
+    return (
         "asks for the stated limits",
         f"asks for limits of {_listed(FORCE_LIMIT)} N and {_listed(TORQUE_LIMIT)} Nm, centred on half of the weight "
         "at most, at every sample while it holds the panel",
@@ -107,11 +106,10 @@ def _listed(values: Sequence[float]) -> str:
     return ", ".join(f"{value:g}" for value in values)
 
 
-def _not_dropped(run: str, found: Measures) -> Claim:
+def _not_dropped(found: Measures) -> Row:
     kept = found.let_go_in in LETTING_GO and found.unsupported <= UNSUPPORTED and found.descent <= DESCENT
     where = f"let go in {found.let_go_in}" if found.let_go_in else "never let go"
-    return Claim(
-        run,
+    return (
         "never drops the panel",
         "never drops the panel: held from the grasp to the release, never in the air without it, no end falls",
         f"{where}, in the air for {found.unsupported:.1f} s, {found.descent:.2f} m/s",
@@ -120,9 +118,8 @@ def _not_dropped(run: str, found: Measures) -> Claim:
     )
 
 
-def _level(run: str, found: Measures) -> Claim:
-    return Claim(
-        run,
+def _level(found: Measures) -> Row:
+    return (
         "keeps it level",
         "keeps the panel's long axis level while it holds it",
         f"{math.degrees(found.tilt):.1f}°",
@@ -131,12 +128,11 @@ def _level(run: str, found: Measures) -> Claim:
     )
 
 
-def _limits(run: str, found: Measures) -> list[Claim]:
+def _limits(found: Measures) -> list[Row]:
     excess = found.excess
     rested = excess.resting >= RESTS
     return [
-        Claim(
-            run,
+        (
             "at rest: within every limit",
             "while the person's hands and the base rest, every force and torque is within limit + error bound",
             f"{100 * excess.resting_peak:.0f} % of the nearest in {excess.resting:.1f} s"
@@ -145,16 +141,14 @@ def _limits(run: str, found: Measures) -> list[Claim]:
             f"at most 100 %, in {RESTS:g} s or more",
             rested and excess.resting_peak <= 1.0,
         ),
-        Claim(
-            run,
+        (
             "seldom over a limit",
             "seldom over a limit on any of the six axes",
             f"{100 * excess.over:.1f} % of the time",
             f"at most {100 * OVER:.0f} %",
             excess.over <= OVER,
         ),
-        Claim(
-            run,
+        (
             "hardly ever over 1.5 limits",
             "hardly ever over one and a half limits on any axis",
             f"{100 * excess.far_over:.1f} % of the time, {max(excess.peaks):.2f} limits at most{_apart(found)}",
@@ -177,9 +171,8 @@ def _apart(found: Measures) -> str:
     )
 
 
-def _eases(run: str, found: Measures) -> Claim:
-    return Claim(
-        run,
+def _eases(found: Measures) -> Row:
+    return (
         "person's hands: peak force",
         "is easy to guide: force of the person's hands, half of the panel's weight included",
         f"{found.effort.force:.1f} N",
@@ -188,12 +181,11 @@ def _eases(run: str, found: Measures) -> Claim:
     )
 
 
-def _puts_down(run: str, found: Measures) -> list[Claim]:
+def _puts_down(found: Measures) -> list[Row]:
     it = found.release
     never = not math.isfinite(it.height)
     return [
-        Claim(
-            run,
+        (
             "lets go when the ground carries it",
             "lets go when the ground carries the panel, and not before",
             "never let go"
@@ -202,8 +194,7 @@ def _puts_down(run: str, found: Measures) -> list[Claim]:
             f"at most {1e3 * ON_GROUND:.0f} mm, at least {GROUND:.1f} N",
             it.height <= ON_GROUND and it.ground >= GROUND,
         ),
-        Claim(
-            run,
+        (
             "lets go when it stands upright",
             "lets go when the panel stands upright on its long edge, and level",
             "never let go"
@@ -212,8 +203,7 @@ def _puts_down(run: str, found: Measures) -> list[Claim]:
             f"at most {math.degrees(UPRIGHT):.0f}° and {math.degrees(LEVEL):.0f}°",
             it.roll <= UPRIGHT and it.tilt <= LEVEL,
         ),
-        Claim(
-            run,
+        (
             "it stays where it was put",
             "the panel stays where it was put, also after the person has let go",
             "never let go"
@@ -225,10 +215,9 @@ def _puts_down(run: str, found: Measures) -> list[Claim]:
     ]
 
 
-def _breaks(run: str, found: Measures) -> Claim:
+def _breaks(found: Measures) -> Row:
     peak = max(found.excess.peaks)
-    return Claim(
-        run,
+    return (
         "baseline: breaks its limits",
         "the baseline knows no limits and breaks them by multiples",
         f"{peak:.1f} limits, over one {100 * found.excess.over:.0f} % of the time",
@@ -237,7 +226,7 @@ def _breaks(run: str, found: Measures) -> Claim:
     )
 
 
-def _against_the_paper(certified: Measures, paper: Measures) -> list[Claim]:
+def _against_the_paper(certified: Measures, paper: Measures) -> list[Row]:
     """The two laws with the same script. A better one must not be paid for by the person."""
     lines = (
         ("over a limit less", "is over a limit for less of the time", "over", 100.0, " %", 1.0),
@@ -245,20 +234,15 @@ def _against_the_paper(certified: Measures, paper: Measures) -> list[Claim]:
         ("person's peak force", "costs the person hardly more: peak force", "force", 1.0, " N", DEARER),
         ("person's work", "costs the person hardly more: work of guiding", "guiding", 1.0, " J", DEARER),
     )
-    found = []
+    rows = []
     for short, text, name, scale, unit, factor in lines:
         ours, theirs = (scale * _of(one, name) for one in (certified, paper))
-        found.append(
-            Claim(
-                "certified-omni, paper-omni",
-                short,
-                f"certified against the paper's law: {text}",
-                f"{ours:.1f} against {theirs:.1f}{unit}",
-                "no more" if factor == 1.0 else f"at most {factor:g} times",
-                ours <= factor * theirs,
-            )
+        figure = f"{ours:.1f} against {theirs:.1f}{unit}"
+        limit = "no more" if factor == 1.0 else f"at most {factor:g} times"
+        rows.append(
+            (short, f"certified against the paper's law: {text}", figure, limit, ours <= factor * theirs)
         )
-    return found
+    return rows
 
 
 def _of(found: Measures, name: str) -> float:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -15,7 +16,6 @@ from services.experiment.carry.carry_protocol import PANEL_SIZE
 from services.experiment.carry.effort import guiding_work
 from services.experiment.carry.excess import Wrenches
 from services.experiment.carry.motion import Motion
-from services.experiment.carry.phases import mark
 from services.experiment.play.course import Run
 from services.experiment.play.recording import Recording
 from services.experiment.report.drawing import BLUE, FAINT, GREEN, INK, LIMIT_COLOUR, VERMILION
@@ -28,6 +28,8 @@ WINDOW = 0.3  # [s] of the largest value that is drawn
 SHOWN_BEFORE = 1.0  # [s] before the grasp
 _LABELS = ("f$_x$ [N]", "f$_y$ [N]", "f$_z$ [N]", "t$_x$ [Nm]", "t$_y$ [Nm]", "t$_z$ [Nm]")
 _FOOTPRINT = 0.27  # [m] radius of TIAGo's base
+_NAMES = {"lift": "lift", "lower": "lower", "let_go": "let go"}  # of what the person is about
+_SHADE = "#F0F0F0"
 
 
 def draw_wrench(run: Run, recording: Recording, found: Measures) -> Figure:
@@ -191,3 +193,47 @@ def _largest(time: np.ndarray, values: np.ndarray) -> np.ndarray:
 def _instant(axes: Axes, time: float) -> None:
     if np.isfinite(time):
         axes.axvline(time, color=INK, linewidth=0.9, zorder=2)
+
+
+@dataclass(frozen=True)
+class Part:
+    """Something that takes place from `start` to `end` [s]."""
+
+    name: str
+    start: float
+    end: float
+
+
+def parts(found: Measures) -> list[Part]:
+    """Grasp, what the person does with the panel, and release, in order of time."""
+    found_parts = [Part(one.name, one.start, one.end) for one in found.followed if np.isfinite(one.start)]
+    for named, names in (
+        (found.doings, _NAMES),
+        (found.states, {"grasping": "grasp", "releasing": "release"}),
+    ):
+        for (name, start), (_, end) in zip(named, [*named[1:], ("", found.states[-1][1])], strict=True):
+            if name in names and end > start:
+                found_parts.append(Part(names[name], start, end))
+    return sorted(found_parts, key=lambda part: part.start)
+
+
+def mark(panels: Sequence[Axes], found: Measures) -> None:
+    """Shades the parts in all panels, whose time axis is as it will be, and names them above the first one."""
+    first, last = panels[0].get_xlim()
+    for part in parts(found):
+        if not first <= 0.5 * (part.start + part.end) <= last:
+            continue
+        for axes in panels:
+            axes.axvspan(max(part.start, first), min(part.end, last), color=_SHADE, linewidth=0, zorder=0)
+        panels[0].annotate(
+            part.name,
+            (0.5 * (part.start + part.end), 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(-2, 4),
+            textcoords="offset points",
+            rotation=50,
+            rotation_mode="anchor",
+            fontsize=8,
+            color="#444444",
+            annotation_clip=False,
+        )

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from services.experiment.carry.allowance import Certified
-from services.experiment.carry.asked import Asked, asked
 from services.experiment.carry.carry_protocol import GUIDANCE
 from services.experiment.carry.effort import Effort, effort
-from services.experiment.carry.excess import Excess, Wrenches, attitudes, excess
+from services.experiment.carry.excess import Asked, Excess, Wrenches, asked, attitudes, excess
 from services.experiment.carry.following import Followed, followed
 from services.experiment.carry.grip import Held, Release, fastest_descent, held, release, unsupported
 from services.experiment.carry.motion import Motion

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from services.experiment.carry.allowance import Certified
+from services.experiment.carry.carry_protocol import FORCE_LIMIT, TORQUE_LIMIT
 from services.experiment.carry.motion import Motion, rotations, turns_about_z
 from services.experiment.play.recording import Recording
 from shared import topics
@@ -18,6 +19,8 @@ BEFORE, AFTER = 1.0, 0.3
 after the motion, and while it builds up the hands push before they move."""
 REST_SPEED, REST_TURNING = 0.01, 0.03  # [m/s, rad/s]: what moves no faster rests
 ATTITUDE = 0.05  # [rad] by which the tool turns before its stiffness bound is asked for anew
+STATED = np.array(FORCE_LIMIT + TORQUE_LIMIT)  # [N, Nm] limits that the task is to ask for
+_Z = 2
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,33 @@ class Wrenches:
     def load(self) -> np.ndarray:
         """|w - nominal| / limit (n, 6)."""
         return np.abs(self.wrench - self.nominal) / self.limit
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Of `control/target`, at every sample of the wrench.
+
+    Attributes:
+        off: largest difference of a limit to the stated one [N, Nm].
+        lowest, highest: nominal force along z [N].
+        other: largest nominal force or torque on any other axis [N, Nm].
+    """
+
+    off: float
+    lowest: float
+    highest: float
+    other: float
+
+
+def asked(wrenches: Wrenches) -> Asked:
+    """What was asked for in a span in which the panel was held."""
+    carried = wrenches.nominal[:, _Z]
+    return Asked(
+        off=float(np.abs(wrenches.limit - STATED).max(initial=0.0)),
+        lowest=float(carried.min(initial=0.0)),
+        highest=float(carried.max(initial=0.0)),
+        other=float(np.abs(np.delete(wrenches.nominal, _Z, axis=1)).max(initial=0.0)),
+    )
 
 
 @dataclass(frozen=True)

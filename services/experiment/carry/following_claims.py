@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from services.experiment.carry.following import Followed
-from services.experiment.measure.claim import Claim
+from services.experiment.measure.claim import Row
 
 MISSES, MISSES_TURN = 0.03, math.radians(3.0)  # [m, rad]
 ARM = 0.15  # [m] of push and pull that the arm can make up for: it reaches from 0.45 to 0.6 m before the base
@@ -21,15 +21,13 @@ REACTS = 0.4  # [s]
 Shown = Callable[[float], str]
 
 
-def follows(run: str, followed: Sequence[Followed]) -> list[Claim]:
-    """All of them for one run, named LAW-BASE."""
-    base = run.rpartition("-")[2]
+def follows(base: str, followed: Sequence[Followed]) -> list[Row]:
+    """All of them for a run with a base, or "none"."""
     along, across, rolls = (
         [one for one in followed if one.way == kind] for kind in ("along", "across", "roll")
     )
-    claims = [
+    rows = [
         _gets_there(
-            run,
             "far end gets where it is wanted",
             "the far end gets where the person wants it: push, pull, side to side",
             [(one, one.far) for one in (*along, *across)],
@@ -37,7 +35,6 @@ def follows(run: str, followed: Sequence[Followed]) -> list[Claim]:
             _millimetres,
         ),
         _gets_there(
-            run,
             "turns where it is wanted",
             "the far end turns where the person wants it: twist and turn",
             [(one, one.far) for one in rolls],
@@ -45,7 +42,6 @@ def follows(run: str, followed: Sequence[Followed]) -> list[Claim]:
             _degrees,
         ),
         _gets_there(
-            run,
             "robot's end follows push and pull",
             "the robot's end goes where the person wants the panel: push and pull",
             [(one, one.near) for one in along],
@@ -53,7 +49,6 @@ def follows(run: str, followed: Sequence[Followed]) -> list[Claim]:
             _millimetres,
         ),
         _gets_there(
-            run,
             "robot's end follows the turns",
             "the robot's end turns as the person wants the panel turned: twist and turn",
             [(one, one.near) for one in rolls],
@@ -61,7 +56,6 @@ def follows(run: str, followed: Sequence[Followed]) -> list[Claim]:
             _degrees,
         ),
         _soon(
-            run,
             "robot's end keeps up",
             "the robot's end keeps up with the person's wish: push, pull, twist and turn, half-way",
             [(one, one.lag) for one in (*along, *rolls)],
@@ -69,9 +63,8 @@ def follows(run: str, followed: Sequence[Followed]) -> list[Claim]:
         ),
     ]
     if base in ACROSS:
-        claims += [
+        rows += [
             _gets_there(
-                run,
                 "base goes along",
                 "the base goes along with push and pull, further than the arm could do without it",
                 [(one, one.base) for one in along],
@@ -79,24 +72,22 @@ def follows(run: str, followed: Sequence[Followed]) -> list[Claim]:
                 _millimetres,
             ),
             _soon(
-                run,
                 "base keeps up",
                 "the base keeps up with the person's wish: push and pull, half-way",
                 [(one, one.base_lag) for one in along],
                 BASE_LAG,
             ),
-            _sideways(run, across, ACROSS[base]),
+            _sideways(across, ACROSS[base]),
         ]
-    claims.append(
+    rows.append(
         _soon(
-            run,
             "reacts to push and pull",
             "moves soon after the person's hands feel that they push or pull",
             [(one, one.reaction) for one in along],
             REACTS,
         )
     )
-    return claims
+    return rows
 
 
 def _millimetres(value: float) -> str:
@@ -108,12 +99,11 @@ def _degrees(value: float) -> str:
 
 
 def _gets_there(
-    run: str, short: str, text: str, shares: Sequence[tuple[Followed, float]], within: float, shown: Shown
-) -> Claim:
+    short: str, text: str, shares: Sequence[tuple[Followed, float]], within: float, shown: Shown
+) -> Row:
     worst, share = max(shares, key=lambda one: one[0].short(one[1]))
     missing = worst.short(share)
-    return Claim(
-        run,
+    return (
         short,
         text,
         f"{shown(missing)} off, {100 * share:.0f} % ({worst.name})",
@@ -122,10 +112,9 @@ def _gets_there(
     )
 
 
-def _soon(run: str, short: str, text: str, times: Sequence[tuple[Followed, float]], within: float) -> Claim:
+def _soon(short: str, text: str, times: Sequence[tuple[Followed, float]], within: float) -> Row:
     worst, time = max(times, key=lambda one: one[1] if math.isfinite(one[1]) else math.inf)
-    return Claim(
-        run,
+    return (
         short,
         text,
         f"{time:.2f} s ({worst.name})" if math.isfinite(time) else f"not at all ({worst.name})",
@@ -134,10 +123,9 @@ def _soon(run: str, short: str, text: str, times: Sequence[tuple[Followed, float
     )
 
 
-def _sideways(run: str, across: Sequence[Followed], least: float) -> Claim:
+def _sideways(across: Sequence[Followed], least: float) -> Row:
     worst = min(across, key=lambda one: one.near)
-    return Claim(
-        run,
+    return (
         "comes along sideways",
         "the robot's end comes along sideways, as far as torque at the far end can bring it",
         f"{100 * worst.near:.0f} % of the way wanted ({worst.name})",

@@ -3,20 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
 from services.experiment.load import load_protocol as protocol
 from services.experiment.load.load_claims import LEAST_WAY, judge
 from services.experiment.load.load_course import LoadSequence
-from services.experiment.load.load_film import film_data
 from services.experiment.load.load_measures import Measures, measure
 from services.experiment.measure.brakes import SETTLING
 from services.experiment.play.course import Run
 from services.experiment.play.recording import Recording
 from services.experiment.spec import Account, Drawn, Experiment
+from shared import topics
 from shared.messages import ControlTarget
 from shared.spatial import quaternion_from_rpy
+
+
+def film_data(recording: Recording) -> dict[str, Any]:
+    """What `services/sim/film/load_film.py` reads: joint angles, bag and load on the joints' time base.
+
+    Raises:
+        KeyError: the recording lacks what the film shows.
+    """
+    joints, world, wrench = topics.STATE_JOINTS.key, topics.SIM_WORLD.key, topics.WRENCH_EXTERNAL.key
+    time = recording.time(joints)
+    shown = time >= 0
+    time = time[shown]
+    return {
+        "scene": "load",
+        "time": time,
+        "joint_names": recording.series(joints, "name")[0],
+        "joint_positions": recording.series(joints, "position")[shown],
+        "bag_mass": np.nan_to_num(recording.newest(world, time, "bag.mass")),
+        "bag_height": recording.newest(world, time, "bag.height"),
+        "force_z": np.interp(time, recording.time(wrench), recording.series(wrench, "force")[:, 2]),
+        "limit_z": np.full(len(time), recording.meta["force_limit"][2]),
+    }
 
 
 def _draw(

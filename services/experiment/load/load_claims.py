@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 from services.experiment.load.load_measures import GROUND, Measures
 from services.experiment.load.load_protocol import FORCE_LIMIT, LIGHT
-from services.experiment.measure.claim import Claim
+from services.experiment.measure.claim import Claim, Row
 from services.experiment.play.course import Run
 
 HOLD_WITHIN = 0.010  # [m]
@@ -29,18 +29,18 @@ def judge(runs: Mapping[str, Run], measured: Mapping[str, Measures]) -> list[Cla
     claims: list[Claim] = []
     for name, run in runs.items():
         found = measured[name]
-        claims += [_sags(name, found)] if run.law == "stiffness" else _keeps_and_lowers(name, found)
+        rows = [_sags(found)] if run.law == "stiffness" else _keeps_and_lowers(found)
         if run.law == "certified":
-            claims += _certified(name, found)
-        claims.append(_comes_back(name, found))
+            rows += _certified(found)
+        claims += Claim.of(name, [*rows, _comes_back(found)])
     if {"paper-30", "certified-30"} <= runs.keys():
-        claims += _against_the_paper(measured["paper-30"], measured["certified-30"])
+        rows = _against_the_paper(measured["paper-30"], measured["certified-30"])
+        claims += Claim.of("certified-30, paper-30", rows)
     return claims
 
 
-def _sags(run: str, found: Measures) -> Claim:
-    return Claim(
-        run,
+def _sags(found: Measures) -> Row:
+    return (
         f"cannot hold {LIGHT:.0f} N: sags",
         f"the baseline cannot hold {LIGHT:.0f} N: it sags by decimetres",
         f"{1e3 * found.sag:.0f} mm",
@@ -49,43 +49,38 @@ def _sags(run: str, found: Measures) -> Claim:
     )
 
 
-def _keeps_and_lowers(run: str, found: Measures) -> list[Claim]:
+def _keeps_and_lowers(found: Measures) -> list[Row]:
     landed = math.isfinite(found.landing)
     return [
-        Claim(
-            run,
+        (
             f"holds {LIGHT:.0f} N: tool z moves",
             f"holds {LIGHT:.0f} N: the tool moves less than 1 cm in z",
             f"{1e3 * found.hold_error:.1f} mm",
             f"under {1e3 * HOLD_WITHIN:.0f} mm",
             found.hold_error < HOLD_WITHIN,
         ),
-        Claim(
-            run,
+        (
             "keeps every limit until then",
             "stays within every limit, force and torque, until the heavier bag",
             f"{100 * found.excess_before:.0f} % of the nearest",
             "at most 100 %",
             found.excess_before <= 1.0,
         ),
-        Claim(
-            run,
+        (
             "lowers the heavier bag",
             "lowers the heavier bag to the ground",
             f"{1e3 * found.drop:.0f} mm in {found.lowering_time:.1f} s" if landed else "never",
             "in time",
             landed,
         ),
-        Claim(
-            run,
+        (
             "smoothly: no turning back",
             "lowers it smoothly: always downward, never over the tool's speed limit",
             f"{found.reversals} turns, {1e3 * found.peak_speed:.0f} mm/s",
             f"0, at most {1e3 * found.max_linear:.0f} mm/s",
             found.reversals == 0 and found.peak_speed <= SPEED_SLACK * found.max_linear,
         ),
-        Claim(
-            run,
+        (
             "leaves it on the ground",
             "leaves it on the ground",
             f"{1e3 * found.bag_height:.1f} mm above it",
@@ -95,20 +90,18 @@ def _keeps_and_lowers(run: str, found: Measures) -> list[Claim]:
     ]
 
 
-def _certified(run: str, found: Measures) -> list[Claim]:
+def _certified(found: Measures) -> list[Row]:
     allowed = FORCE_LIMIT[2] + found.error_bound
     landed = math.isfinite(found.ground_peak)
     return [
-        Claim(
-            run,
+        (
             "load steady on the way",
             "carries it steadily: but for a fifth of the way down and brakes, the load does not swing",
             _swing(found),
             f"±{STEADY_WITHIN:.0f} N",
             found.load_swing <= STEADY_WITHIN and found.judged_way >= LEAST_WAY,
         ),
-        Claim(
-            run,
+        (
             "load then within limit + error",
             "once the ground bears the rest, the load is within limit + error bound",
             f"{found.ground_peak:.2f} N" if landed else "never there",
@@ -128,9 +121,8 @@ def _swing(found: Measures) -> str:
     return f"{swing}, {count} brake{'s' if count > 1 else ''}: {reasons}"
 
 
-def _comes_back(run: str, found: Measures) -> Claim:
-    return Claim(
-        run,
+def _comes_back(found: Measures) -> Row:
+    return (
         "comes back when unloaded",
         "comes back to the pose it held when the bag is taken off",
         f"{1e3 * found.return_error:.1f} mm off ({found.return_time:.1f} s)",
@@ -139,43 +131,23 @@ def _comes_back(run: str, found: Measures) -> Claim:
     )
 
 
-def _against_the_paper(paper: Measures, certified: Measures) -> list[Claim]:
+def _against_the_paper(paper: Measures, certified: Measures) -> list[Row]:
     """The two laws at the paper's own rate. A comparison holds only if the certified law is no worse."""
+    way, ground = "but for a fifth of the way down and brakes, the load", "with the bag on the ground"
     lines = (
-        (
-            "load on the way: swings less",
-            "but for a fifth of the way down and brakes, the load swings less",
-            "load_swing",
-            1.0,
-            "N",
-            2,
-        ),
-        (
-            "load on the ground: peaks lower",
-            "the load peaks lower with the bag on the ground",
-            "ground_peak",
-            1.0,
-            "N",
-            1,
-        ),
+        ("load on the way: swings less", f"{way} swings less", "load_swing", 1.0, "N", 2),
+        ("load on the ground: peaks lower", f"the load peaks lower {ground}", "ground_peak", 1.0, "N", 1),
         (
             "tool on the ground: steadier",
-            "with the bag on the ground the tool rests more steadily (standard deviation of z)",
-            "ground_ripple",
-            1e3,
-            "mm",
-            2,
+            f"{ground} the tool rests more steadily (standard deviation of z)",
+            *("ground_ripple", 1e3, "mm", 2),
         ),
     )
-    return [
-        Claim(
-            "certified-30, paper-30",
-            short,
-            f"{text} under certified than under the paper's law",
-            " against ".join(f"{scale * getattr(found, name):.{digits}f}" for found in (certified, paper))
-            + f" {unit}",
-            "no worse",
-            getattr(certified, name) <= getattr(paper, name),
+    rows = []
+    for short, text, name, scale, unit, digits in lines:
+        ours, theirs = (scale * getattr(found, name) for found in (certified, paper))
+        figure = f"{ours:.{digits}f} against {theirs:.{digits}f} {unit}"
+        rows.append(
+            (short, f"{text} under certified than under the paper's law", figure, "no worse", ours <= theirs)
         )
-        for short, text, name, scale, unit, digits in lines
-    ]
+    return rows

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+
+Row = tuple[str, str, str, str, bool]
+"""What a claim says beside the run's name: short, text, figure, limit, passed."""
 
 
 @dataclass(frozen=True)
@@ -24,6 +28,11 @@ class Claim:
     figure: str
     limit: str
     passed: bool
+
+    @classmethod
+    def of(cls, run: str, rows: Iterable[Row]) -> list[Claim]:
+        """The claims about a run."""
+        return [cls(run, *row) for row in rows]
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
@@ -13,18 +13,6 @@ from shared import topics
 
 GAP = 0.15  # [s] without a sample; the services latch a sensor failure after 0.1 s
 HELD = 0.02  # share of the time
-
-
-class Kept(Protocol):
-    """What a run's measures say of it."""
-
-    @property
-    def longest_gap(self) -> float:
-        """See `longest_gap`."""
-
-    @property
-    def unhealthy(self) -> float:
-        """See `unhealthy`."""
 
 
 def longest_gap(recording: Recording) -> float:
@@ -39,8 +27,8 @@ def unhealthy(recording: Recording, start: float = 0.0) -> float:
     return float(np.mean(rests)) if len(rests) else 1.0
 
 
-def disturbances(measured: Mapping[str, Kept]) -> list[str]:
-    """A line for each run in which it did not."""
+def disturbances(measured: Mapping[str, Any]) -> list[str]:
+    """A line for each run whose figures `longest_gap` and `unhealthy` say that it did not."""
     return [
         f"{name}: the force sensor was silent for up to {1e3 * found.longest_gap:.0f} ms and the controller held still "
         f"{100 * found.unhealthy:.0f} % of the time: the machine is overloaded or a process was disturbed"

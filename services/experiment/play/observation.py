@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from shared import topics
-from shared.messages import EndEffector, ExternalWrench
 from shared.service import Inputs
+from shared.topics import Topic
 
 INPUTS = (
     topics.STATE_EE,
@@ -57,31 +57,26 @@ class Observation:
     @classmethod
     def of(cls, inputs: Inputs) -> Observation:
         """The newest of what came in."""
-        tool, wrench = inputs.get(topics.STATE_EE), inputs.get(topics.WRENCH_EXTERNAL)
-        status, robot = inputs.get(topics.CONTROL_STATUS), inputs.get(topics.STATE_ROBOT)
-        task, base = inputs.get(topics.TASK_STATUS), inputs.get(topics.BASE_STATUS)
-        world = inputs.get(topics.SIM_WORLD)
-        position, speed, bound = None, float("inf"), 0.0
-        if tool is not None:
-            assert isinstance(tool.message, EndEffector)
-            position, speed = tool.message.position, float(np.linalg.norm(tool.message.linear))
-        if wrench is not None:
-            assert isinstance(wrench.message, ExternalWrench)
-            bound = float(wrench.message.error_bound[2])
-        hand = world.message.hand if world is not None else None
+
+        def said(topic: Topic, field: str, otherwise: Any = "") -> Any:
+            reading = inputs.get(topic)
+            return otherwise if reading is None else getattr(reading.message, field)
+
+        wrench, status = inputs.get(topics.WRENCH_EXTERNAL), inputs.get(topics.CONTROL_STATUS)
+        hand = said(topics.SIM_WORLD, "hand", None)
         return cls(
-            position=position,
-            speed=speed,
-            law=status.message.law if status is not None else "",
-            mode=robot.message.mode if robot is not None else "",
+            position=said(topics.STATE_EE, "position", None),
+            speed=float(np.linalg.norm(said(topics.STATE_EE, "linear", np.inf))),
+            law=said(topics.CONTROL_STATUS, "law"),
+            mode=said(topics.STATE_ROBOT, "mode"),
             wrench_valid=wrench is not None and wrench.header.valid,
-            error_bound=bound,
+            error_bound=0.0 if wrench is None else float(wrench.message.error_bound[2]),
             trouble=_trouble(wrench, status),
-            task=task.message.state if task is not None else "",
-            reason=task.message.reason if task is not None else "",
-            base=base.message.state if base is not None else "",
-            panel=world is not None and world.message.panel is not None,
-            doing=hand.doing if hand is not None else "",
+            task=said(topics.TASK_STATUS, "state"),
+            reason=said(topics.TASK_STATUS, "reason"),
+            base=said(topics.BASE_STATUS, "state"),
+            panel=said(topics.SIM_WORLD, "panel", None) is not None,
+            doing="" if hand is None else hand.doing,
         )
 
 

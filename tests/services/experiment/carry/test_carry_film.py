@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.experiment.carry import story
-from services.experiment.carry.carry_film import film_data
+from services.experiment.carry import carry_film as story
+from services.experiment.carry.carry_film import Story, film_data
 from services.experiment.carry.carry_protocol import run
-from services.experiment.carry.story import Story
 from services.experiment.play.recording import Event, Recording
 from shared import topics
 from shared.spatial import quaternion_from_vector

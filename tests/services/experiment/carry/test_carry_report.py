@@ -12,9 +12,9 @@ import pytest
 
 from services.experiment.carry import carry_figures as figures
 from services.experiment.carry.carry import CARRY
+from services.experiment.carry.carry_figures import parts
 from services.experiment.carry.carry_measures import measure
-from services.experiment.carry.phases import parts
-from services.experiment.carry.tables import tables
+from services.experiment.carry.carry_tables import tables
 from services.experiment.experiments import report
 from services.experiment.main import main
 from services.experiment.play.recording import RECORDING, Recording

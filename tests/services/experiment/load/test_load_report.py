@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from services.experiment.experiments import report
-from services.experiment.load.load import LOAD
-from services.experiment.load.load_film import film_data
+from services.experiment.load.load import LOAD, film_data
 from services.experiment.load.load_protocol import RUNS
 from services.experiment.main import main
 from services.experiment.play.recording import RECORDING
