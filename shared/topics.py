@@ -117,28 +117,6 @@ BASE_ENABLE = Topic("base/enable", m.Enable, 5, 1.0, ("task",))
 TASK_STATUS = Topic("task/status", m.TaskStatus, 5, 1.0, ("task",))
 SIM_WORLD = Topic("sim/world", sim.SimWorld, 30, 0.5, (ROBOT,))
 
-TOPICS: tuple[Topic, ...] = (
-    SENSOR_FT,
-    SENSOR_CAMERA,
-    STATE_JOINTS,
-    STATE_EE,
-    STATE_BASE,
-    STATE_GRIPPER,
-    STATE_ROBOT,
-    COMMAND_EE_TWIST,
-    COMMAND_BASE_TWIST,
-    COMMAND_GRIPPER,
-    COMMAND_HEAD,
-    STOP,
-    WRENCH_EXTERNAL,
-    CONTROL_TARGET,
-    CONTROL_STATUS,
-    BASE_STATUS,
-    BASE_ENABLE,
-    TASK_STATUS,
-    SIM_WORLD,
-)
-
 WRENCH_TARE = Query("wrench/tare", "wrench", {"": Exchange(r.Tare, r.Tared)})
 WRENCH_IDENTIFY = Query(
     "wrench/identify",
@@ -170,15 +148,9 @@ SIM_COMMAND = Query(
     word="command",
 )
 
-QUERIES = (
-    WRENCH_TARE,
-    WRENCH_IDENTIFY,
-    TASK_COMMAND,
-    WRENCH_PARAMETERS,
-    CONTROL_PARAMETERS,
-    BASE_PARAMETERS,
-    SIM_COMMAND,
-)
+TOPICS = tuple(value for value in list(globals().values()) if isinstance(value, Topic))
+QUERIES = tuple(value for value in list(globals().values()) if isinstance(value, Query))
+"""All that are declared above, in this order."""
 PARAMETER_QUERIES = (WRENCH_PARAMETERS, CONTROL_PARAMETERS, BASE_PARAMETERS)
 
 HEALTH_RATE = 2.0
