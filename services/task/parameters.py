@@ -6,7 +6,6 @@ import math
 from typing import Literal
 
 from services.task.geometry import QUARTER
-from services.task.vision.marker_tracker import MarkerLimits
 from shared.constants import GRAVITY
 from shared.parameters import Parameters, Refused, Vector3, option, parameter
 
@@ -149,7 +148,7 @@ class TaskParameters(Parameters):
         return self.ground_height + self.panel_width / 2
 
     def impossible(self) -> str:
-        """Why the panel could never be set down (CARRY 3), empty if it can."""
+        """Why the panel could never be set down (carry 3); empty if it can."""
         if self.standing_height < self.reach_down:
             return (
                 f"the turned panel stands with the gripper at {self.standing_height:.2f} m, which is below reach_down, "
@@ -162,16 +161,4 @@ class TaskParameters(Parameters):
         return (
             f"half the panel's weight is {self.half_weight:.1f} N, above the force limit of {limit:g} N along z: "
             "it would never be released; set release_ramp, raise force_limit or carry less"
-        )
-
-    def marker_limits(self) -> MarkerLimits:
-        """What the marker has to be like."""
-        return MarkerLimits(
-            number=self.marker_id,
-            error=self.marker_error,
-            ambiguity=self.marker_ambiguity,
-            jump=self.marker_jump,
-            jump_angle=self.marker_jump_angle,
-            max_age=self.marker_max_age,
-            confirm=self.marker_confirm,
         )

@@ -76,7 +76,7 @@ class Task(Service[TaskParameters]):
         self._lost = Sustained(SLIPPED_AFTER)
         self.machine = StateMachine(parameters)
         self._observer = Observer(parameters)
-        self._tracker = MarkerTracker(parameters.marker_limits())
+        self._tracker = MarkerTracker(parameters)
         self._detector = Detector(parameters.marker_size)
         self._outbox = Outbox(parameters)
         self._shown = b""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from services.task.faults import TaskFault
 from services.task.geometry import Pose
+from services.task.parameters import TaskParameters
 from shared.spatial import Array
 
 _SMOOTHING = 0.3  # [1] share of a new pose in the trusted one: a single image is off by up to twice as much
@@ -36,38 +37,15 @@ class Candidate:
     solutions: tuple[Solution, ...]
 
 
-@dataclass(frozen=True)
-class MarkerLimits:
-    """What a marker has to be like to be believed.
-
-    Attributes:
-        number: its id.
-        error: largest reprojection error [px].
-        ambiguity: how many times worse the second solution has to fit [1].
-        jump: largest distance [m] from the last accepted pose.
-        jump_angle: largest angle [rad] from it.
-        max_age: age [s] up to which a pose is used.
-        confirm: images that have to agree before the first pose is used.
-    """
-
-    number: int
-    error: float
-    ambiguity: float
-    jump: float
-    jump_angle: float
-    max_age: float
-    confirm: int
-
-
 class MarkerTracker:
     """Keeps the trusted pose of the marker in base.
 
-    The first ``confirm`` accepted images have to agree; then each has to agree with the one before. A pose older than
-    ``max_age`` is forgotten, so that a panel that was really moved is found again, by as many images as at first.
+    The first ``marker_confirm`` accepted images have to agree; then each has to agree with the one before. A pose older
+    than ``marker_max_age`` is forgotten, so that a panel that was really moved is found again, by as many images.
     """
 
-    def __init__(self, limits: MarkerLimits) -> None:
-        self._limits = limits
+    def __init__(self, parameters: TaskParameters) -> None:
+        self._settings = parameters
         self.reset()
 
     def reset(self) -> None:
@@ -82,14 +60,14 @@ class MarkerTracker:
     @property
     def pose(self) -> Pose | None:
         """The marker in base, if it is to be trusted now."""
-        if self._pose is None or self._confirmed < self._limits.confirm:
+        if self._pose is None or self._confirmed < self._settings.marker_confirm:
             return None
         return self._pose
 
     def known(self, camera: Pose) -> tuple[int, Pose] | None:
         """The marker's number and where it has to be in an optical frame whose pose in base is given."""
         pose = self.pose
-        return None if pose is None else (self._limits.number, camera.inverse @ pose)
+        return None if pose is None else (self._settings.marker_id, camera.inverse @ pose)
 
     @property
     def age(self) -> float:
@@ -101,20 +79,20 @@ class MarkerTracker:
         """Why there is no pose to trust; None if there is one."""
         if self.pose is not None:
             return None
-        limit = self._limits.max_age
+        limit = self._settings.marker_max_age
         if not self._image_seen:
             return TaskFault("camera_never")
         if self._since_image > limit:
             return TaskFault("camera_silent", f"{self._since_image:.1f} s, allowed are {limit:g} s")
         if self._doubt is None:
-            return TaskFault("marker_new", f"{self._confirmed} of {self._limits.confirm} images")
+            return TaskFault("marker_new", f"{self._confirmed} of {self._settings.marker_confirm} images")
         return self._doubt
 
     def advance(self, dt: float) -> None:
         """Let time [s] pass."""
         self._since_image += dt
         self._age += dt
-        if self._age > self._limits.max_age:
+        if self._age > self._settings.marker_max_age:
             self._pose, self._confirmed = None, 0
 
     def broken(self, problem: str) -> None:
@@ -134,17 +112,17 @@ class MarkerTracker:
         self._doubt = self._accept(found, camera, age)
 
     def _accept(self, found: Sequence[Candidate], camera: Pose, age: float) -> TaskFault | None:
-        limits = self._limits
-        if age > limits.max_age:
-            return TaskFault("marker_old", f"{age:.2f} s old, allowed are {limits.max_age:g} s")
-        ours = [candidate for candidate in found if candidate.number == limits.number]
+        settings = self._settings
+        if age > settings.marker_max_age:
+            return TaskFault("marker_old", f"{age:.2f} s old, allowed are {settings.marker_max_age:g} s")
+        ours = [candidate for candidate in found if candidate.number == settings.marker_id]
         if not ours:
             others = ", ".join(str(candidate.number) for candidate in found[:5])
             if others:
-                return TaskFault("marker_other", f"seen {others}, wanted {limits.number}")
+                return TaskFault("marker_other", f"seen {others}, wanted {settings.marker_id}")
             return TaskFault("marker_missing")
         if len(ours) > 1:
-            return TaskFault("marker_twice", f"{len(ours)} with the number {limits.number}")
+            return TaskFault("marker_twice", f"{len(ours)} with the number {settings.marker_id}")
         doubt = self._doubtful(ours[0].solutions)
         if doubt is not None:
             return doubt
@@ -152,25 +130,27 @@ class MarkerTracker:
         pose = camera @ Pose(best.position, best.rotation)
         if self._pose is not None:
             away, turned = pose.distance(self._pose), pose.angle(self._pose)
-            if away > limits.jump or turned > limits.jump_angle:
-                allowed = f"allowed are {limits.jump:g} m and {limits.jump_angle:g} rad"
+            if away > settings.marker_jump or turned > settings.marker_jump_angle:
+                allowed = f"allowed are {settings.marker_jump:g} m and {settings.marker_jump_angle:g} rad"
                 return TaskFault("marker_jump", f"{away:.2f} m and {turned:.2f} rad, {allowed}")
             pose = self._pose.blended(pose, _SMOOTHING)
         self._pose, self._age = pose, age
-        self._confirmed = min(self._confirmed + 1, limits.confirm)
+        self._confirmed = min(self._confirmed + 1, settings.marker_confirm)
         return None
 
     def _doubtful(self, solutions: Sequence[Solution]) -> TaskFault | None:
         """Why the corners give no clear pose, if they do not."""
-        limits = self._limits
+        settings = self._settings
         if not solutions:
             return TaskFault("marker_error", "no pose fits its corners")
         best = solutions[0]
-        if best.error > limits.error:
-            return TaskFault("marker_error", f"{best.error:.2f} px, allowed are {limits.error:g} px")
+        if best.error > settings.marker_error:
+            return TaskFault("marker_error", f"{best.error:.2f} px, allowed are {settings.marker_error:g} px")
         for other in solutions[1:]:
             apart = Pose(best.position, best.rotation).angle(Pose(other.position, other.rotation))
-            if apart > _SAME_ANGLE and other.error < limits.ambiguity * best.error:
+            if apart > _SAME_ANGLE and other.error < settings.marker_ambiguity * best.error:
                 ratio = f"the second pose fits {other.error / max(best.error, 1e-9):.1f} times worse"
-                return TaskFault("marker_ambiguous", f"{ratio}, wanted are {limits.ambiguity:g} times")
+                return TaskFault(
+                    "marker_ambiguous", f"{ratio}, wanted are {settings.marker_ambiguity:g} times"
+                )
         return None

@@ -53,7 +53,7 @@ def look(changed: dict[Topic, Reading], observer: Observer | None = None) -> tup
     """What is seen, and the names of the faults; the marker's are left out."""
     readings = {topic.key: reading(message) for topic, message in HEALTHY.items()}
     readings |= {topic.key: changed[topic] for topic in changed}
-    tracker = MarkerTracker(SETTINGS.marker_limits())
+    tracker = MarkerTracker(SETTINGS)
     seen, faults = (observer or Observer(SETTINGS)).look(Inputs(readings), tracker)
     return seen, {fault.name for fault in faults} - {"camera_never"}
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -14,17 +13,16 @@ from hypothesis import strategies as st
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
 from services.task.vision.detection import BadImage, Detector, jpeg_size
-from services.task.vision.marker_tracker import MarkerLimits, MarkerTracker
+from services.task.vision.marker_tracker import MarkerTracker
 from tests.services.task.scene import HEIGHT, WIDTH, Camera, Light, Print, message, render, tilted
 
 NUMBER = 7
-LIMITS = TaskParameters(marker_id=NUMBER).marker_limits()
-SINGLE = replace(LIMITS, number=NUMBER, confirm=1)
+SINGLE = TaskParameters(marker_id=NUMBER, marker_confirm=1)
 
 
-def believed(found: list, limits: MarkerLimits = SINGLE) -> Pose | str:
+def believed(found: list) -> Pose | str:
     """The pose that one image is worth, or the name of the doubt."""
-    tracker = MarkerTracker(limits)
+    tracker = MarkerTracker(SINGLE)
     tracker.look(found, Pose(np.zeros(3), np.eye(3)), 0.0)
     return tracker.pose or tracker.doubt.name
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from services.task.parameters import TaskParameters
 from services.task.vision.marker_tracker import Candidate, MarkerTracker, Solution
 from shared.spatial import rotation_from_vector
 
-LIMITS = TaskParameters().marker_limits()
+SETTINGS = TaskParameters()
 ORIGIN = Pose(np.zeros(3), np.eye(3))
 
 
@@ -25,7 +23,7 @@ def seen(
 
 
 def tracker(images: int = 3) -> MarkerTracker:
-    made = MarkerTracker(LIMITS)
+    made = MarkerTracker(SETTINGS)
     for _ in range(images):
         made.advance(0.1)
         made.look([seen()], ORIGIN, 0.0)
@@ -61,7 +59,7 @@ def test_doubtful_ones_are_refused(candidate: Candidate, name: str) -> None:
 
 
 def test_two_solutions_that_agree_are_not_ambiguous() -> None:
-    made = MarkerTracker(replace(LIMITS, confirm=1))
+    made = MarkerTracker(TaskParameters(marker_confirm=1))
     made.look([seen(error=0.2, other=0.21, turn=0.01)], ORIGIN, 0.0)
     assert made.pose is not None
 
