@@ -8,7 +8,7 @@ import pytest
 from services.task.faults import TaskFault
 from services.task.geometry import Pose
 from services.task.states import State
-from tests.services.task.play import Play
+from tests.services.task.rig import MachineRig
 from tests.services.task.toy import MARKER
 
 
@@ -17,33 +17,47 @@ def turned(roll: float = 0.0, pitch: float = 0.0, yaw: float = 0.0) -> Pose:
     return Pose(MARKER.position, (Pose.from_rpy((0, 0, 0), np.radians((roll, pitch, yaw))) @ MARKER).rotation)
 
 
-@pytest.mark.parametrize(
-    ("marker", "words"),
-    [
-        (turned(pitch=-80.0), "too steep: the tool points up by 80 degrees, allowed are 30"),
-        (turned(pitch=40.0), "too steep: the tool points down by 40 degrees"),
-        (turned(yaw=180.0), "its far side"),
-    ],
-)
-def test_a_panel_that_cannot_be_carried_from_there_is_told_and_not_gone_to(marker: Pose, words: str) -> None:
-    play = Play(reach_low=(-2.0,) * 3, reach_high=(2.0,) * 3)
+ANYWHERE = {"reach_low": (-2.0,) * 3, "reach_high": (2.0,) * 3}
+NEARER = Pose(MARKER.position - (0.12, 0.0, 0.0), MARKER.rotation)
+NOT_GONE_TO = {
+    "too steep up": (
+        ANYWHERE,
+        turned(pitch=-80.0),
+        "too steep: the tool points up by 80 degrees, allowed are 30",
+        turned(pitch=20.0),
+    ),
+    "too steep down": (
+        ANYWHERE,
+        turned(pitch=40.0),
+        "too steep: the tool points down by 40 degrees",
+        turned(pitch=20.0),
+    ),
+    "turned away": (ANYWHERE, turned(yaw=180.0), "its far side", turned(pitch=20.0)),
+    "out of reach": ({"reach_high": (0.5, 0.2, 1.2)}, MARKER, "out of reach: x is 0.60 m", NEARER),
+}
+
+
+@pytest.mark.parametrize("name", NOT_GONE_TO)
+def test_a_panel_that_cannot_be_carried_from_there_is_told_and_not_gone_to(name: str) -> None:
+    parameters, marker, words, mended = NOT_GONE_TO[name]
+    play = MachineRig(**parameters)
     play.toy.marker = marker
     play.reach(State.SEARCHING)
     play.run(3.0)
-    assert play.state is State.SEARCHING and words in play.machine.reason
-    play.toy.marker = turned(pitch=20.0)
+    assert play.state is State.SEARCHING and words in play.reason
+    play.toy.marker = mended
     play.to(State.APPROACHING, 3.0)
 
 
-def going_in() -> Play:
+def going_in() -> MachineRig:
     """On the last, straight part of the way."""
-    play = Play().reach(State.APPROACHING)
-    play.run(20.0, lambda: "going in" in play.machine.reason)
+    play = MachineRig().reach(State.APPROACHING)
+    play.run(20.0, lambda: "going in" in play.reason)
     play.run(0.5)
     return play
 
 
-def ahead(play: Play) -> float:
+def ahead(play: MachineRig) -> float:
     """How far [m] the target is ahead of the tool along the way in."""
     tool, target = play.toy.tool, play.decision.target
     assert target is not None
@@ -61,8 +75,8 @@ def test_what_is_in_the_way_is_pressed_no_harder_by_waiting_longer() -> None:
 
 def test_it_does_not_go_in_from_the_side_or_askew() -> None:
     for offset in (Pose.from_rpy((0.0, 0.0, 0.04), (0.0,) * 3), Pose.from_rpy((0.0,) * 3, (0.0, 0.0, 0.2))):
-        play = Play().reach(State.APPROACHING)
-        play.run(20.0, lambda play=play: "going in" in play.machine.reason)
+        play = MachineRig().reach(State.APPROACHING)
+        play.run(20.0, lambda play=play: "going in" in play.reason)
         held = play.toy.tool @ offset
         for _ in range(200):
             play.toy.tool = held
@@ -92,7 +106,7 @@ def test_the_gripper_does_not_close_while_the_tool_moves(moving: dict[str, float
 def test_an_arm_that_may_hide_the_panel_is_taken_out_of_the_picture_once_the_head_has_looked_all_around() -> (
     None
 ):
-    play = Play()
+    play = MachineRig()
     lookout = Pose.from_rpy(play.settings.lookout_position, play.settings.lookout_rpy)
     play.toy.marker, play.changed = None, {"doubt": TaskFault("marker_missing")}
     play.reach(State.SEARCHING)
@@ -101,13 +115,13 @@ def test_an_arm_that_may_hide_the_panel_is_taken_out_of_the_picture_once_the_hea
     assert play.toy.tool.near(where, 1e-3, 1e-3), "at first the head alone looks around"
     play.run(10.0)
     assert play.state is State.SEARCHING and play.toy.tool.near(lookout, 0.03, 0.1)
-    assert "lookout" not in play.machine.reason and "covered" in play.machine.reason
+    assert "lookout" not in play.reason and "covered" in play.reason
     play.toy.marker, play.changed = MARKER, {}
     play.to(State.CARRYING)
 
 
 def test_an_arm_in_the_lookout_pose_stands_while_the_marker_is_covered() -> None:
-    play = Play()
+    play = MachineRig()
     play.toy.tool = Pose.from_rpy(play.settings.lookout_position, play.settings.lookout_rpy)
     play.toy.marker, play.changed = None, {"doubt": TaskFault("marker_missing")}
     play.reach(State.SEARCHING)

@@ -11,7 +11,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 from services.task.faults import FAULTS, Impairment, TaskFault
 from services.task.states import Decision, State
 from shared.parameters import Refused
-from tests.services.task.play import DT, ORDER, Play
+from tests.services.task.rig import DT, ORDER, MachineRig
 from tests.services.task.toy import MARKER
 
 MOVED = 1e-6  # [m], [rad]
@@ -24,7 +24,7 @@ class Anything(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.play = Play(search_patience=5.0, move_patience=10.0)
+        self.play = MachineRig(search_patience=5.0, move_patience=10.0)
         self.before = self.play.state
         self.decision = Decision("none yet")
         self.doubtful = 0
@@ -107,7 +107,7 @@ class Anything(RuleBasedStateMachine):
     def command(self, word: str) -> None:
         before, grip = self.play.state, self.play.machine.fingers.hold
         with contextlib.suppress(Refused):
-            after = self.play.machine.command(word)
+            after = self.play.command(word)
             if word == "abort":
                 assert after is State.HOLDING
             if word == "reset":
@@ -146,7 +146,7 @@ class Anything(RuleBasedStateMachine):
 
     @invariant()
     def always_says_why(self) -> None:
-        assert self.play.machine.reason
+        assert self.play.reason
         assert self.play.machine.since >= 0.0
 
 

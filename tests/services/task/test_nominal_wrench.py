@@ -7,8 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from services.task.nominal_wrench import LIFT_RATE, RELEASE_RATE, NominalWrench
-from services.task.parameters import TaskParameters
-from shared.parameters import Refused
 
 HALF = 7.36
 forces = st.lists(st.floats(-40.0, 40.0), min_size=1, max_size=200)
@@ -56,15 +54,3 @@ def test_it_fades_to_zero_at_its_rate(_measured: list[float]) -> None:
 def test_what_is_recalled_stays_within_the_weight() -> None:
     assert NominalWrench(HALF, -100.0).force == -HALF
     assert NominalWrench(HALF, 3.0).force == 0.0
-
-
-def test_half_a_weight_above_the_limit_is_refused_without_the_ramp() -> None:
-    assert not TaskParameters(panel_mass=3.0).impossible()
-    assert not TaskParameters(panel_mass=2.0, release_ramp=False).impossible()
-    text = TaskParameters(panel_mass=2.5, release_ramp=False).impossible()
-    assert "12.3 N" in text and "10 N" in text and "release_ramp" in text
-
-
-def test_a_gripper_that_opens_no_wider_than_the_panel_is_refused() -> None:
-    with pytest.raises(Refused, match=r"gripper_open is 0\.05"):
-        TaskParameters.of({"gripper_open": 0.05})

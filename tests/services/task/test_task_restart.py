@@ -8,34 +8,28 @@ import numpy as np
 import pytest
 
 from services.task.geometry import Pose
-from shared.parameters import Refused
-from shared.topics import (
-    BASE_ENABLE,
-    COMMAND_GRIPPER,
-    CONTROL_TARGET,
-)
+from shared import topics
 from tests.services.task.rig import Rig
 
 
 def test_killed_and_restarted_while_carrying_goes_on_without_a_jump(tmp_path: Path) -> None:
     rig = Rig(tmp_path).carrying()
-    rig.robot.toy.far_height = float(rig.robot.toy.tool.position[2]) - 0.15
+    rig.toy.far_height = float(rig.toy.tool.position[2]) - 0.15
     rig.run(1.2)
-    before, nominal = rig.target, rig.robot.last(CONTROL_TARGET).nominal_force[2]
+    before, nominal = rig.target, rig.last(topics.CONTROL_TARGET).nominal_force[2]
     rig.kill_task()
     rig.run(3.0)
-    for received in rig.robot.received.values():
-        received.clear()
+    rig.forget()
     rig.start_task()
     rig.run(2.0)
-    assert rig.robot.state == "carrying"
-    first = rig.robot.received[CONTROL_TARGET.key][0].message
+    assert rig.state == "carrying"
+    first = rig.said(topics.CONTROL_TARGET)[0].message
     again = Pose.of(first.position, first.orientation)
     assert np.allclose(again.position[:2], before.position[:2], atol=1e-9)
-    assert abs(again.position[2] - rig.robot.toy.tool.position[2]) < 0.05
+    assert abs(again.position[2] - rig.toy.tool.position[2]) < 0.05
     assert first.nominal_force[2] == pytest.approx(nominal)
-    assert all(r.message.opening == 0.0 for r in rig.robot.received[COMMAND_GRIPPER.key])
-    assert rig.robot.toy.gripped
+    assert all(r.message.opening == 0.0 for r in rig.said(topics.COMMAND_GRIPPER))
+    assert rig.toy.gripped
     rig.leads = True
     rig.until("done", 90.0)
 
@@ -46,13 +40,12 @@ def test_an_abort_before_a_restart_is_ready_is_kept(tmp_path: Path) -> None:
     rig.run(1.0)
     rig.start_task()
     rig.run(0.2)
-    assert rig.ask("abort") == "holding"
-    for received in rig.robot.received.values():
-        received.clear()
+    assert rig.tell("abort") == "holding"
+    rig.forget()
     rig.run(1.0)
-    assert rig.robot.state == "holding" and "aborted" in rig.robot.reason
-    assert not any(r.message.enabled for r in rig.robot.received[BASE_ENABLE.key])
-    assert rig.ask("start") == "carrying"
+    assert rig.state == "holding" and "aborted" in rig.reason
+    assert not any(r.message.enabled for r in rig.said(topics.BASE_ENABLE))
+    assert rig.tell("start") == "carrying"
 
 
 def test_restarted_when_idle_it_is_idle(tmp_path: Path) -> None:
@@ -60,18 +53,17 @@ def test_restarted_when_idle_it_is_idle(tmp_path: Path) -> None:
     rig.kill_task()
     rig.start_task()
     rig.run(2.0)
-    assert rig.robot.state == "idle"
+    assert rig.state == "idle"
     assert not list((tmp_path / "task").iterdir())
 
 
 def test_shutdown_leaves_grip_and_target_and_stops_the_base() -> None:
     rig = Rig().carrying()
-    for received in rig.robot.received.values():
-        received.clear()
+    rig.forget()
     rig.runner.close()
     rig.stack.run(0.005)
-    assert [r.message.enabled for r in rig.robot.received[BASE_ENABLE.key]] == [False]
-    assert not rig.robot.received[COMMAND_GRIPPER.key]
+    assert [r.message.enabled for r in rig.said(topics.BASE_ENABLE)] == [False]
+    assert not rig.said(topics.COMMAND_GRIPPER)
 
 
 @pytest.mark.parametrize("flickers", [0.1, 1.0])
@@ -86,7 +78,7 @@ def test_a_gripper_that_says_for_a_moment_that_it_holds_nothing_has_not_lost_the
     rig.run(0.5 + flickers)
     rig.robot.denies = False
     rig.run(1.0)
-    assert rig.robot.state == ("carrying" if flickers < 0.3 else "idle"), rig.robot.reason
+    assert rig.state == ("carrying" if flickers < 0.3 else "idle"), rig.reason
 
 
 def test_without_its_journal_it_lets_go_as_told_and_carries_nothing_on(tmp_path: Path) -> None:
@@ -96,10 +88,9 @@ def test_without_its_journal_it_lets_go_as_told_and_carries_nothing_on(tmp_path:
         path.write_text("torn")
     rig.start_task()
     rig.until("holding", 3.0)
-    with pytest.raises(Refused, match="nothing is known of how far the panel is turned"):
-        rig.ask("start")
-    assert rig.ask("release") == "releasing"
+    rig.refuses_to("start", "nothing is known of how far the panel is turned")
+    assert rig.tell("release") == "releasing"
     rig.run(3.0)
-    assert rig.robot.toy.gripped, "the robot carries half of it"
-    rig.robot.toy.lifted = False
+    assert rig.toy.gripped, "the robot carries half of it"
+    rig.toy.lifted = False
     rig.until("done", 30.0)
