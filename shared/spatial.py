@@ -17,6 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
+GRAVITY = 9.81
+"""Standard gravity [m/s2], as the contract rounds it: a mass of 1 kg that hangs from the tool gives -9.81 N."""
 _SMALL_ANGLE = 1e-7
 
 

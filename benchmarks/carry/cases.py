@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.carry.person import Manner, script
 from services.experiment.carry import carry_protocol as protocol
 from services.experiment.play.course import Run
-from shared.constants import GRAVITY
+from shared.spatial import GRAVITY
 
 KINDS = (
     "varied",

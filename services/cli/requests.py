@@ -10,7 +10,7 @@ import typer
 
 from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse
 from shared import topics
-from shared.constants import GRAVITY
+from shared.spatial import GRAVITY
 
 
 def tare(

@@ -6,8 +6,8 @@ import math
 from typing import Literal
 
 from services.task.geometry import QUARTER
-from shared.constants import GRAVITY
 from shared.parameters import Parameters, Refused, Vector3, option, parameter
+from shared.spatial import GRAVITY
 
 
 class TaskParameters(Parameters):

@@ -14,10 +14,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from shared.constants import GRAVITY
 from shared.schema.fields import Number, Text, Vector
 from shared.schema.records import Record, of
-from shared.spatial import Array, cross, skew
+from shared.spatial import GRAVITY, Array, cross, skew
 
 _ZERO3, _ZERO6 = (0.0,) * 3, (0.0,) * 6
 

@@ -24,8 +24,7 @@ import math
 import numpy as np
 
 from services.wrench.compensation import Compensation
-from shared.constants import GRAVITY
-from shared.spatial import Array
+from shared.spatial import GRAVITY, Array
 
 
 def unknown_weight(mass: float, reach: float, field: tuple[float, float, float]) -> Array:

@@ -20,10 +20,9 @@ import numpy as np
 
 from services.wrench.averaging import SIGMAS, Average
 from services.wrench.compensation import Compensation, gravity_in_sensor
-from shared.constants import GRAVITY
 from shared.schema.fields import Integer, Number, Vector
 from shared.schema.records import Record, of
-from shared.spatial import Array, skew
+from shared.spatial import GRAVITY, Array, skew
 
 LARGEST_CONDITION = 30.0  # [1] above it the readings' errors come out thirty times as large in the unknowns
 FEWEST_POSES = 3  # three directions of gravity that do not lie on one line determine the ten unknowns

@@ -17,7 +17,7 @@ from services.experiment.carry.following_claims import follows
 from services.experiment.carry.grip import ON_GROUND
 from services.experiment.measure.claim import Claim, Row
 from services.experiment.play.course import Run
-from shared.constants import GRAVITY
+from shared.spatial import GRAVITY
 
 BEFORE = ("idle", "calibrating", "searching", "approaching", "grasping")
 STATES = (*BEFORE, "carrying", "releasing", "retreating", "done")

@@ -9,7 +9,7 @@ import numpy as np
 from services.experiment.carry.carry_protocol import PANEL_MASS
 from services.experiment.carry.motion import Motion, spin
 from services.experiment.measure.series import rate
-from shared.constants import GRAVITY
+from shared.spatial import GRAVITY
 
 HARD_TORQUE = 9.0  # [Nm] of both hands that nobody wants to exert for long
 GUIDING = ("move", "turn")  # what the person is about while guiding the robot

@@ -10,7 +10,7 @@ from services.experiment.carry.carry_protocol import PANEL_MASS
 from services.experiment.carry.motion import Motion
 from services.experiment.play.recording import Recording
 from shared import topics
-from shared.constants import GRAVITY
+from shared.spatial import GRAVITY
 
 ON_GROUND = 0.005  # [m]: a corner lower than this touches the ground
 LIFTED = 0.02  # [m] by which the panel's centre has to rise to count as lifted off its supports

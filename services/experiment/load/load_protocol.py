@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from services.experiment.play.course import Run
-from shared.constants import GRAVITY
+from shared.spatial import GRAVITY
 
 HOLD = (0.5, -0.3, 1.0, 0.0, 0.0, 0.0)  # tool in base: x, y, z [m], roll, pitch, yaw [rad]
 FORCE_LIMIT = (25.0, 25.0, 25.0)  # [N]

@@ -11,9 +11,8 @@ from services.sim.robot.base import MobileBase
 from services.sim.robot.ik import DifferentialIK
 from services.sim.robot.kinematics import HOME, Kinematics
 from services.sim.robot.physics import Physics
-from shared.constants import GRAVITY
 from shared.robot.tiago import CHAIN
-from shared.spatial import Array
+from shared.spatial import GRAVITY, Array
 
 TORSO_WEIGHT = 10.0  # [1] cost of the torso's speed [m/s] relative to that of an arm joint [rad/s]
 LOWEST_TOOL = 0.3  # [m] of the tool's height at which the torso is all the way down; above they share the way

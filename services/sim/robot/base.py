@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from shared.constants import GRAVITY
+from shared.spatial import GRAVITY
 
 Vector = tuple[float, float, float]
 

@@ -10,9 +10,8 @@ import numpy as np
 import pybullet
 
 from services.sim.robot.physics_model import physics_urdf
-from shared.constants import GRAVITY
 from shared.robot.tiago import CHAIN, SENSOR_JOINT
-from shared.spatial import Array
+from shared.spatial import GRAVITY, Array
 
 SOLVER_ITERATIONS = 15  # with as many the motors give way by 3e-5 m at the tool under 28 N
 FRICTION = np.array([0.0] + [1.0] * (len(CHAIN) - 1))

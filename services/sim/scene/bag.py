@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from shared.constants import GRAVITY
+from shared.spatial import GRAVITY
 
 ROPE_LENGTH = 0.35
 """Length [m] of the slack rope from the tool to the top of the bag."""

@@ -8,8 +8,7 @@ import numpy as np
 
 from services.sim.scene.contacts import PointContacts
 from services.sim.scene.rigid_body import RigidBody
-from shared.constants import GRAVITY
-from shared.spatial import Array, rotation_from_vector
+from shared.spatial import GRAVITY, Array, rotation_from_vector
 
 SUPPORTS = (-0.25, 0.25)  # of the panel's length: where the two trestles stand, from its centre
 SUPPORT_WIDTH = 0.35  # of the panel's width: a trestle's two points of contact, from the panel's centre line

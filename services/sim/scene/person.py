@@ -13,8 +13,7 @@ import numpy as np
 from services.sim.scene.hands import Hands
 from services.sim.scene.panel import Panel
 from services.sim.scene.script import Phase
-from shared.constants import GRAVITY
-from shared.spatial import Array, rotation_from_vector
+from shared.spatial import GRAVITY, Array, rotation_from_vector
 
 # Those of the quick model of the carry (docs/task.md):
 ENOUGH_FORCE, ENOUGH_TORQUE = 30.0, 12.0

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shared.constants import GRAVITY
-from shared.spatial import Array, cross, rotation_from_vector
+from shared.spatial import GRAVITY, Array, cross, rotation_from_vector
 
 STEADY = 0.5
 """Largest damping [inertia / dt] and stiffness [inertia / dt2] of one of two that act on a body: explicit steps can

@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 
 from services.sim.robot.kinematics import full_model, home, joint_names
-from shared.constants import GRAVITY
 from shared.robot.tiago import CHAIN, SENSOR_FRAME, TOOL_FRAME
+from shared.spatial import GRAVITY
 
 
 def statics(position: np.ndarray, force: np.ndarray, torque: np.ndarray) -> np.ndarray:

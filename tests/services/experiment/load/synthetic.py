@@ -9,7 +9,7 @@ import numpy as np
 from services.experiment.load import load_protocol as protocol
 from services.experiment.play.course import Run
 from services.experiment.play.recording import Event, Recording
-from shared.constants import GRAVITY
+from shared.spatial import GRAVITY
 
 STEP = 0.01  # [s]
 ERROR_BOUND = 0.4  # [N]

@@ -9,7 +9,7 @@ import pytest
 
 from services.sim.robot.kinematics import Kinematics
 from services.sim.robot.physics import Physics
-from shared.constants import GRAVITY
+from shared.spatial import GRAVITY
 from tests.services.sim.statics import statics
 
 STEP = 0.002

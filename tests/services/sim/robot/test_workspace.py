@@ -11,9 +11,8 @@ from services.sim.robot.arm import ARM_MARGIN, LOWEST_TOOL, TORSO_BOTTOM, TORSO_
 from services.sim.robot.ik import DifferentialIK
 from services.sim.robot.kinematics import CARRY_HOME, HOME, Kinematics
 from services.sim.robot.physics import FRICTION
-from shared.constants import GRAVITY
 from shared.robot.tiago import CHAIN
-from shared.spatial import pose_error, quaternion_from_rpy, rotation_from_vector, rotation_matrix
+from shared.spatial import GRAVITY, pose_error, quaternion_from_rpy, rotation_from_vector, rotation_matrix
 
 DT = 0.02
 FLAT = -90.0

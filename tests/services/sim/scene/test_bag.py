@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from services.sim.scene.bag import BAG_LENGTH, HANDOVER, ROPE_LENGTH, Bag
-from shared.constants import GRAVITY
+from shared.spatial import GRAVITY
 
 STEP = 0.002
 TOOL = (0.5, -0.3, 1.0)

@@ -10,9 +10,8 @@ from services.sim.scene.grip import PAD_WIDTH, mean_radius
 from services.sim.scene.panel import Panel, PanelSpec
 from services.sim.scene.panel_scene import PanelScene, PanelSceneSpec, Tool
 from shared import topics
-from shared.constants import GRAVITY
 from shared.robot.tiago import CHAIN, FINGER_EFFORT, FINGER_TRAVEL
-from shared.spatial import rotation_from_vector, rotation_matrix
+from shared.spatial import GRAVITY, rotation_from_vector, rotation_matrix
 from tests.services.sim.rig import Rig
 from tests.services.sim.statics import statics
 

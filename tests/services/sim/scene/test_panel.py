@@ -10,8 +10,7 @@ import pytest
 
 from services.sim.scene.panel import Panel, PanelSpec
 from services.sim.scene.rigid_body import RigidBody
-from shared.constants import GRAVITY
-from shared.spatial import rotation_from_vector
+from shared.spatial import GRAVITY, rotation_from_vector
 
 STEP = 0.002
 SPEC = PanelSpec((1.2, 0.6, 0.05), 1.5, 0.6, 4000.0, (0.57, -0.39, 0.76))

@@ -15,10 +15,9 @@ from services.sim.scene.panel import Panel, PanelSpec
 from services.sim.scene.person import ENOUGH_FORCE, Person
 from services.sim.scene.script import read
 from shared import topics
-from shared.constants import GRAVITY
 from shared.parameters import Refused
 from shared.sim_messages import HandState
-from shared.spatial import rotation_from_vector
+from shared.spatial import GRAVITY, rotation_from_vector
 from tests.services.sim.rig import Rig
 from tests.services.sim.statics import statics
 
