@@ -1,7 +1,7 @@
 """Latency of the chain `sensor/ft` -> wrench -> controller -> twist received, beside as many hops with nothing in them.
 
-``python -m benchmarks.chain [--quick]``. Real processes through a real router, paced at the loop's own rate; the three
-transports take turns, so that whatever else the machine does meets all of them alike.
+``python -m benchmarks.chain [--quick | --against REV]``. Real processes through a real router, paced at the loop's own
+rate; the three transports take turns, so that whatever else the machine does meets all of them alike.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable
 from functools import reduce
 
+from benchmarks import against
 from benchmarks.latency import segments
 from benchmarks.latency.segments import Segment
 from benchmarks.table import Row, at_most, show, shown, skipped
@@ -23,6 +24,17 @@ OVERRUN_SHARE = 1e-3
 """Largest share of late steps of wrench and controller at 500 Hz."""
 
 Measure = Callable[[float, float], Segment]
+_CHAIN = """
+import json
+from benchmarks import against
+from benchmarks.latency import segments
+
+found = {}
+for rate in (100.0, 500.0):
+    chain = segments.chain(rate, 6.0)
+    found |= {f"p50 at {rate:.0f} Hz [us]": chain.quantile(0.5), f"p99 at {rate:.0f} Hz [us]": chain.quantile(0.99)}
+print(json.dumps(found))
+"""
 
 
 def rows(quick: bool) -> list[Row]:
@@ -85,7 +97,12 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(prog=COMMAND, description=__doc__)
     parser.add_argument("--quick", action="store_true", help="fewer samples: a look, not a measurement")
-    show(rows(parser.parse_args().quick))
+    parser.add_argument("--against", metavar="REV", help="the chain alone, in turns with another revision's")
+    options = parser.parse_args()
+    if options.against:
+        against.show(against.compare(options.against, _CHAIN))
+    else:
+        show(rows(options.quick))
 
 
 if __name__ == "__main__":

@@ -1,11 +1,14 @@
-"""What a message costs: ``python -m benchmarks.codec`` prints microseconds for each control message.
+"""What a message costs: ``python -m benchmarks.codec [--against REV]``, in microseconds for each control message.
 
 Decoding includes every check, encoding the building of the message with its header.
 """
 
 from __future__ import annotations
 
+import argparse
+import json
 import timeit
+from pathlib import Path
 
 import numpy as np
 
@@ -51,5 +54,11 @@ def cost() -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    for name, microseconds in cost().items():
-        print(f"{name}\t{microseconds:.3f}")
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.codec", description=__doc__)
+    parser.add_argument("--against", metavar="REV", help="in turns with another revision, from a1bef68 on")
+    if revision := parser.parse_args().against:
+        from benchmarks import against  # not above: older revisions run this file too, and have none
+
+        against.show(against.compare(revision, Path(__file__).read_text(encoding="utf-8")))
+    else:
+        print(json.dumps(cost(), indent=2))
