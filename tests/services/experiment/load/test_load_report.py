@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import re
 from pathlib import Path
@@ -10,25 +11,31 @@ import numpy as np
 import pytest
 
 from services.experiment.experiments import report
-from services.experiment.load.load import LOAD, film_data
-from services.experiment.load.load_protocol import RUNS
+from services.experiment.load.load import film_data
 from services.experiment.main import main
-from services.experiment.play.recording import RECORDING
+from services.experiment.play.recording import RECORDING, Recording
 from services.sim.film import film
 from shared.loop.config import Misconfigured
-from tests.services.experiment.load.synthetic import Defect, recording
+from tests.services.experiment.load import defects
+from tests.services.experiment.load.defects import Defect
+
+RUNS = ("paper-30", "certified-30", "certified-100", "rounded-100")
 
 
-def put(folder: Path, name: str, defect: Defect | None = None) -> None:
+def put(folder: Path, name: str, played: Recording, *spoil: Defect) -> None:
+    """The recording under the name of some run."""
+    recording = copy.deepcopy(played)
+    for defect in spoil:
+        defect(recording)
     (folder / name).mkdir(parents=True)
-    recording(LOAD.run_named(name), defect).save(folder / name / RECORDING)
+    recording.save(folder / name / RECORDING)
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(played: Recording, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("report")
-    for run in RUNS:
-        put(path, run.name)
+    for name in RUNS:
+        put(path, name, played)
     assert main(["report", str(path), "--ran", "tandem run load <here>"]) == 0
     return path
 
@@ -47,7 +54,7 @@ def test_the_page_stands_alone_and_its_links_lead_somewhere(folder: Path) -> Non
 def test_every_claim_stands_on_the_page(folder: Path) -> None:
     page = (folder / "index.html").read_text()
     claims = json.loads((folder / "claims.json").read_text())["claims"]
-    assert {claim["run"] for claim in claims} >= {run.name for run in RUNS}
+    assert {claim["run"] for claim in claims} >= set(RUNS)
     assert all(claim["figure"] in page for claim in claims)
     assert page.count("✓ pass") == len(claims)
 
@@ -57,45 +64,44 @@ def test_an_experiment_without_tables_says_so(folder: Path) -> None:
 
 
 def test_every_figure_is_there_in_both_formats(folder: Path) -> None:
-    names = {"comparison", "lowering", *(run.name for run in RUNS)}
+    names = {"comparison", "lowering", *RUNS}
     for suffix in (".svg", ".png"):
         assert {path.stem for path in (folder / "figures").glob(f"*{suffix}")} == names
 
 
-def test_a_failed_claim_fails_the_command_and_is_marked(tmp_path: Path) -> None:
-    put(tmp_path, "certified-100", Defect(bounces=0.03))
+def test_a_failed_claim_fails_the_command_and_is_marked(played: Recording, tmp_path: Path) -> None:
+    put(tmp_path, "certified-100", played, defects.bounces)
     assert main(["report", str(tmp_path)]) == 1
     page = (tmp_path / "index.html").read_text()
     assert "✗ fail" in page
     assert re.search(r"1 of \d+ claims fail", page)
 
 
-def test_a_brake_is_told_in_the_table_and_grey_in_the_figure(tmp_path: Path) -> None:
-    put(tmp_path, "certified-100", Defect(braked_at=18.2))
+def test_brakes_are_told_in_the_table_and_grey_in_the_figure(played: Recording, tmp_path: Path) -> None:
+    put(tmp_path, "certified-100", played, defects.braked)
     assert main(["report", str(tmp_path)]) == 0
     page = (tmp_path / "index.html").read_text()
-    assert "1 brake: no fresh command" in page
+    assert "3 brakes: no fresh command" in page
     assert "Grey: a brake" in page
     summary = json.loads((tmp_path / "claims.json").read_text())
-    (brake,) = summary["measures"]["certified-100"]["brakes"]
-    assert brake["reason"] == "no fresh command"
+    brakes = summary["measures"]["certified-100"]["brakes"]
+    assert [brake["reason"] for brake in brakes] == ["no fresh command"] * 3
 
 
-def test_a_run_that_did_not_finish_fails_the_command_but_not_the_others(tmp_path: Path) -> None:
-    put(tmp_path, "paper-30")
-    put(tmp_path, "certified-30")
-    cut = recording(LOAD.run_named("paper-30"))
-    cut.events.clear()
-    cut.save(tmp_path / "paper-30" / RECORDING)
+def test_a_run_that_did_not_finish_fails_the_command_but_not_the_others(
+    played: Recording, tmp_path: Path
+) -> None:
+    put(tmp_path, "paper-30", played, defects.broken_off)
+    put(tmp_path, "certified-30", played)
     assert main(["report", str(tmp_path)]) == 1
     summary = json.loads((tmp_path / "claims.json").read_text())
     assert {claim["run"] for claim in summary["claims"]} == {"certified-30"}
     assert summary["problems"][0].startswith("paper-30 is not judged")
 
 
-def test_a_machine_that_stalled_is_named(tmp_path: Path) -> None:
-    put(tmp_path, "paper-30", Defect(stall=1.5))
-    put(tmp_path, "certified-30")
+def test_a_machine_that_stalled_is_named(played: Recording, tmp_path: Path) -> None:
+    put(tmp_path, "paper-30", played, defects.stalled)
+    put(tmp_path, "certified-30", played)
     problems = report(tmp_path).problems
     assert len(problems) == 1
     assert problems[0].startswith("paper-30: the force sensor was silent for up to 15")
@@ -106,23 +112,23 @@ def refuse(*_: object) -> None:
 
 
 def test_a_film_that_cannot_be_made_is_told_and_the_report_does_without(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    played: Recording, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    put(tmp_path, "certified-100")
+    put(tmp_path, "certified-100", played)
     monkeypatch.setattr(film, "render", refuse)
     assert main(["film", str(tmp_path / "certified-100")]) == 1
     assert "no film: series of one length" in capsys.readouterr().out
     assert "<video" not in report(tmp_path).index.read_text()
 
 
-def test_a_film_is_shown_on_the_page(tmp_path: Path) -> None:
-    put(tmp_path, "certified-100")
+def test_a_film_is_shown_on_the_page(played: Recording, tmp_path: Path) -> None:
+    put(tmp_path, "certified-100", played)
     (tmp_path / "certified-100" / film.FILM).write_bytes(b"film")
     assert 'src="certified-100/scene.mp4"' in report(tmp_path).index.read_text()
 
 
-def test_film_data_are_on_one_time_base() -> None:
-    data = film_data(recording(LOAD.run_named("certified-100")))
+def test_film_data_are_on_one_time_base(played: Recording) -> None:
+    data = film_data(played)
     assert data["time"][0] >= 0.0
     for name in ("joint_positions", "bag_mass", "bag_height", "force_z", "limit_z"):
         assert len(data[name]) == len(data["time"])
