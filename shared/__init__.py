@@ -1,1 +1,1 @@
-"""What every process of tandem shares."""
+"""Shared by every process of tandem."""

@@ -1,4 +1,4 @@
-"""What can be wrong with a service's inputs or its loop: a row each, name and sentence for the human."""
+"""Faults of a service's inputs and of its loop: a row each, with its name and its sentence for the human."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ _ZERO3 = (0.0, 0.0, 0.0)
 
 
 class Header(Record):
-    """What every published message carries besides its fields."""
+    """Header of every published message, besides its fields."""
 
     seq: int = of(Integer(minimum=0, doc="+1 per message of one publisher"))
     session: int = of(Integer(doc="random, drawn once per start of the publisher"))
@@ -102,7 +102,7 @@ class GripperState(Record):
 
 
 class RobotStatus(Record):
-    """What the robot's gate does, and what the robot can do."""
+    """State of the robot's gate, and abilities of the robot."""
 
     mode: str = of(Text(choices=("ready", "holding", "stopped")))
     reason: str = of(Text())
@@ -158,7 +158,7 @@ class Stop(Record):
 
 
 class ExternalWrench(Record):
-    """What the environment exerts on the tool, compensated, with a bound on its error."""
+    """Wrench that the environment exerts on the tool, compensated, with a bound on its error."""
 
     force: np.ndarray = of(Vector("N"))
     torque: np.ndarray = of(Vector("Nm", "about the tool's origin"))
@@ -181,7 +181,7 @@ class ControlTarget(Record):
 
 
 class ControlStatus(Record):
-    """What the controller does and why."""
+    """State of the controller, with the reason."""
 
     state: str = of(Text(choices=("waiting", "tracking", "yielding", "braking")))
     reason: str = of(Text())
@@ -195,7 +195,7 @@ class ControlStatus(Record):
 
 
 class BaseStatus(Record):
-    """What the base's admittance does."""
+    """State of the base's admittance."""
 
     state: str = of(Text(choices=("off", "following", "braking")))
     wrench: np.ndarray = of(Vector("N, N, Nm", "fx, fy, tz about the base's origin"))

@@ -124,7 +124,7 @@ def _one_line(problem: ValidationError, cls: type[Parameters]) -> str:
     first = problem.errors()[0]
     if first["type"] == "value_error":
         return first["msg"].removeprefix("Value error, ")
-    # A name may come from anybody, as long and as oddly spelt as he likes.
+    # A name may come from anybody, of any length and spelling.
     where = " ".join(".".join(str(part) for part in first["loc"]).split())[:60]
     if first["type"] == "extra_forbidden":
         return f"{where} is no parameter; there are {', '.join(cls.model_fields)}"
@@ -138,7 +138,7 @@ def _one_line(problem: ValidationError, cls: type[Parameters]) -> str:
 
 
 def _wanted(annotation: Any) -> str:
-    """What a value of a scalar or vector parameter has to be; empty for anything else, which pydantic describes."""
+    """Wanted value of a scalar or vector parameter, in words; empty for anything else, which pydantic describes."""
     if annotation in (Vector3, Vector6):
         return f"{len(get_args(annotation))} numbers"
     if get_origin(annotation) is Literal:

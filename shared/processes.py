@@ -12,7 +12,7 @@ from typing import Literal
 from shared.topics import ROBOT
 
 ON_THE_BUS = ("--robot", "{robot}", "--connect", "{endpoint}")
-"""What a process that connects to the router has to be told."""
+"""Options of a process that connects to the router."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Process:
 
     @property
     def module(self) -> str:
-        """What `python -m` is given."""
+        """Module for `python -m`."""
         return f"services.{self.name}"
 
     @property

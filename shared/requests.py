@@ -82,7 +82,7 @@ class Solved(Record):
 
 
 class TaskCommand(Record):
-    """What a person asks of the task."""
+    """Command of a person to the task."""
 
     command: str = of(Text(choices=("start", "abort", "release", "reset")))
 

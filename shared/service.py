@@ -1,4 +1,4 @@
-"""What a service is: two pure methods, and a statement of what they are connected to."""
+"""Base of every service: two pure methods, and a statement of what they are connected to."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Output:
 
 @dataclass(frozen=True)
 class Wiring:
-    """What a service is connected to.
+    """Connections of a service.
 
     Attributes:
         name: the service's name.
@@ -96,12 +96,12 @@ class Inputs:
         return topic.key in self._wanted
 
     def refusals(self, topic: Topic) -> str:
-        """What was refused on the topic since the subscription, in words; empty if nothing."""
+        """Refusals on the topic since the subscription, in words; empty if there are none."""
         return self._refusals.get(topic.key, "")
 
 
 class Service(ABC, Generic[P]):
-    """What the loop runs. It sees no clock, no bus and no log.
+    """A service, as the loop runs it. It sees no clock, no bus and no log.
 
     Attributes:
         wiring: what it is connected to.
@@ -123,7 +123,7 @@ class Service(ABC, Generic[P]):
         """
 
     def brake(self, fault: Fault, dt: float) -> Iterable[Output]:
-        """What to publish because of a fault, ``dt`` [s] after the last call."""
+        """Messages to publish because of a fault, ``dt`` [s] after the last call."""
         return ()
 
     def query(self, query: Query, request: Record, reply: Reply) -> None:
@@ -143,5 +143,5 @@ class Service(ABC, Generic[P]):
         self.parameters = parameters
 
     def notes(self) -> str:
-        """What a human should know although the service works; empty if nothing."""
+        """Remarks for a human although the service works; empty if there are none."""
         return ""

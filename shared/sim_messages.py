@@ -25,17 +25,17 @@ class BagState(Record):
 
 
 class HandState(Record):
-    """The simulated person's hands, in world; ``doing`` is the kind of phase of his script, for people to read."""
+    """The simulated person's hands, in world; ``doing`` is the kind of phase of the script, for people to read."""
 
     position: np.ndarray = of(Vector("m"))
     force: np.ndarray = of(Vector("N"))
     torque: np.ndarray = of(Vector("Nm"))
     doing: str = of(Text(), default="")
     wanted: np.ndarray = of(
-        Vector("m", "where he wants them; where they are while they hold nothing"), default=(0.0,) * 3
+        Vector("m", "where the person wants them; where they are while they hold nothing"), default=(0.0,) * 3
     )
     wanted_orientation: np.ndarray = of(
-        Quaternion(doc="how he wants the panel turned; how it is while he holds nothing"),
+        Quaternion(doc="how the person wants the panel turned; how it is while the hands hold nothing"),
         default=(0.0, 0.0, 0.0, 1.0),
     )
 
@@ -54,9 +54,9 @@ class SimWorld(Record):
 HEAVIEST = 20.0
 """Largest mass [kg] of a bag."""
 LARGEST_FORCE, LARGEST_TORQUE, LONGEST_PUSH = 300.0, 50.0, 600.0
-"""Of a push [N, Nm, s]."""
+"""Largest push [N, Nm] and its longest duration [s]."""
 FARTHEST = 20.0
-"""Of a target of the person's hands [m]."""
+"""Farthest target of the person's hands along each axis [m]."""
 FAULTS = ("off", "stuck", "garbage", "bias", "delay", "ok")
 
 

@@ -121,7 +121,7 @@ def cross(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def wrench_about(wrench: Array, offset: ArrayLike) -> Array:
-    """The same wrench (6,) taken about another point.
+    """Wrench (6,) taken about another point.
 
     Args:
         wrench: force [N] and torque [Nm] about the old origin.

@@ -50,7 +50,7 @@ class Topic(Generic[M]):
 
 
 class Exchange(NamedTuple):
-    """What is asked, and what is answered besides ``ok``."""
+    """A request, and its reply besides ``ok``."""
 
     request: type[Record]
     reply: type[Record] = Nothing

@@ -1,1 +1,1 @@
-"""What turns a service into a process: the loop, its health, its configuration."""
+"""A service as a process: the loop, its health, its configuration."""

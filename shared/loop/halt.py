@@ -1,4 +1,4 @@
-"""What keeps a service at rest until a person ends it, although its inputs may be healthy again."""
+"""Stops and latched sensor failures: a service rests until a person ends that, although its inputs may be healthy again."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _WAITING_QUERIES = 32
 _LONGEST_REASON = 500
 _MALFORMED = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
-"""What a request that nobody expected can cause; requests come from anybody and must not end the service."""
+"""Errors that a request can cause which nobody expected. Requests come from anybody and must not end the service."""
 
 
 class QueryDesk:

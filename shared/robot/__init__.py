@@ -1,1 +1,1 @@
-"""What every robot process needs, simulated or real: gate, numbers and description."""
+"""Gate, numbers and description of the robot, for every robot process, simulated or real."""

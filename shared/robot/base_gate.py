@@ -43,7 +43,7 @@ class _Way(NamedTuple):
 
 @dataclass(frozen=True)
 class BaseLimits:
-    """What a base can do.
+    """Abilities of a base.
 
     Attributes:
         forwards, backwards, sideways: largest speeds [m/s]; 0 = not that way at all, as a differential base sideways.

@@ -20,7 +20,7 @@ SILENCE = 0.1  # [s] past its ``ttl`` after which a moving command counts as the
 
 @dataclass(frozen=True)
 class GateLimits:
-    """What a six-dimensional gate lets through.
+    """Limits of a six-dimensional gate.
 
     Attributes:
         max_linear: Euclidean norm of the linear part [m/s].
@@ -158,7 +158,7 @@ class Gate:
 
     @property
     def mode(self) -> str:
-        """What the gate does: ready (executes a command), stopped (a stop is engaged), holding (neither)."""
+        """State of the gate: ready (executes a command), stopped (a stop is engaged), holding (neither)."""
         if self._stopped:
             return "stopped"
         return "ready" if self._left > 0.0 else "holding"

@@ -41,7 +41,7 @@ class HeldCommand(Generic[M]):
         self.stopped = 0
 
     def take(self, inputs: Inputs, stopped: bool = False) -> M | None:
-        """What is to be executed from now on, once for each command.
+        """Command to execute from now on, once for each that arrived.
 
         Args:
             inputs: of this step.

@@ -150,7 +150,7 @@ class RobotSide:
 
     @property
     def mode(self) -> str:
-        """What ``state/robot`` says: ready, holding (for want of a fresh command, a while ago already) or stopped."""
+        """Mode in ``state/robot``: ready, holding (for want of a fresh command, a while ago already) or stopped."""
         if self.gate.mode == "stopped":
             return "stopped"
         return "ready" if self._live > 0.0 else "holding"

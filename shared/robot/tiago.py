@@ -54,14 +54,14 @@ JOINTS = _joints()
 """Every joint that moves, by its name, in the order of the description."""
 
 _, FINGER_TRAVEL, FINGER_SPEED, FINGER_EFFORT = JOINTS[FINGERS[0]]
-"""Of each finger: the way from closed to open [m], the largest speed [m/s], the largest force [N] of closing."""
+"""Way [m] of each finger from closed to open, its largest speed [m/s], its largest force [N] of closing."""
 GRIPPER_RANGES: Ranges = {"opening": (0.0, 2.0 * FINGER_TRAVEL), "effort": (0.0, FINGER_EFFORT)}
-"""What can be asked of the gripper [m, N]."""
+"""Ranges of a gripper command [m, N]."""
 HEAD_RANGES: Ranges = {
     word: (JOINTS[joint].lower, JOINTS[joint].upper)
     for word, joint in zip(("pan", "tilt"), HEAD, strict=True)
 }
-"""What can be asked of the head [rad]."""
+"""Ranges of a head command [rad]."""
 
 BASES = {
     "differential": BaseLimits(1.0, 0.2, 0.0, 2.09, 1.0, 2.09),

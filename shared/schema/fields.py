@@ -61,7 +61,7 @@ def _range(above: float, minimum: float, maximum: float, unit: str, more: str = 
 
 @dataclass(frozen=True)
 class Kind:
-    """What a field holds.
+    """Kind of a field.
 
     Attributes:
         unit, doc: for readers and for the generated reference.

@@ -39,7 +39,7 @@ def of(kind: Kind, *, default: Any = MISSING) -> Any:
 
 
 class _Layout(NamedTuple):
-    """What there is to check of a record's fields.
+    """Checks of a record's fields.
 
     Attributes:
         row: name, length and part of the row of each vector of fixed size: they are checked and converted together.
@@ -57,7 +57,7 @@ class _Layout(NamedTuple):
 
 
 def _layout(declared: Mapping[str, Declared], decoded: bool) -> _Layout:
-    """Of a record that is built, or of a decoded one, whose decoder has seen to types, lengths and bounds."""
+    """Layout of a record that is built, or of a decoded one, whose decoder has seen to types, lengths and bounds."""
     row, special, scalars, others = [], [], [], []
     size = 0
     for name, (kind, _) in declared.items():

@@ -1,4 +1,4 @@
-"""What a process needs of a message bus: a handful of methods that the Zenoh bus and the in-process bus share."""
+"""Interface of a message bus: a handful of methods that the Zenoh bus and the in-process bus share."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from shared.topics import MAP_CAP
 
 _TEXT_ONLY = {str}
 _MALFORMED = (ValueError, TypeError, OverflowError, RecursionError, msgspec.MsgspecError)
-"""What a payload that nobody expected can cause in a decoder."""
+"""Errors of a decoder that a payload can cause which nobody expected."""
 _SMALL_MAP = 15
 """So many entries of a map are counted in its first byte."""
 
@@ -48,7 +48,7 @@ _encoder = msgspec.msgpack.Encoder(enc_hook=np.ndarray.tolist)
 
 @cache
 def _joint(message: type[Record]) -> tuple[bytes, int]:
-    """What begins the map of header and message, and how many bytes begin that of the message alone."""
+    """Beginning of the map of header and message, and number of bytes that begin the map of the message alone."""
     count = len(message.kinds())
     both = count + len(Header.kinds())
     start = bytes((0x80 | both,)) if both <= _SMALL_MAP else b"\xde" + both.to_bytes(2, "big")

@@ -30,7 +30,7 @@ CLOCK_DRIFT = 50e-6
 """Assumed drift [1] between two machines' steady clocks; hides a delay that grows more slowly than this."""
 _WINDOW_NS = 1_000_000_000
 _FEWEST_SENT = 20
-"""Of fewer messages a lost share says nothing; whoever sends so rarely is watched for silence alone."""
+"""Fewest messages of which a lost share says something; whoever sends more rarely is watched for silence alone."""
 
 
 @dataclass(slots=True)
@@ -197,7 +197,7 @@ class Subscription(Generic[M]):
 
     @property
     def refusals(self) -> str:
-        """What was refused since the start, in words; empty if nothing."""
+        """Refusals since the start, in words; empty if there are none."""
         if not (self.rejected or self.out_of_order or self.second_session):
             return ""
         cases = (

@@ -33,7 +33,7 @@ class BusError(Exception):
 
 
 def _settings(mode: str) -> dict[str, object]:
-    """What every session of the project agrees on: explicit endpoints, no multicast, no shared memory, short lease."""
+    """Settings of every session of the project: explicit endpoints, no multicast, no shared memory, short lease."""
     return {
         "mode": mode,
         "scouting/multicast/enabled": False,
