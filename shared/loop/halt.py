@@ -1,4 +1,4 @@
-"""Stops and latched sensor failures: a service rests until a person ends that, although its inputs may be healthy again."""
+"""Stops and latched sensor failures: a service rests until a person ends that, with healthy inputs too."""
 
 from __future__ import annotations
 
