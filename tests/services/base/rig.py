@@ -9,22 +9,10 @@ import numpy as np
 
 from services.base.base import Base
 from services.base.parameters import BaseParameters
-from shared.clock import nanoseconds
-from shared.loop.stack import Stack
-from shared.messages import BaseStatus, BaseTwistCommand, Enable, EndEffector, ExternalWrench, RobotStatus
+from shared import topics
+from shared.messages import BaseStatus, Enable, EndEffector, ExternalWrench, RobotStatus, Stop
 from shared.spatial import Array
-from shared.topics import (
-    BASE_ENABLE,
-    BASE_PARAMETERS,
-    BASE_STATUS,
-    COMMAND_BASE_TWIST,
-    STATE_EE,
-    STATE_ROBOT,
-    WRENCH_EXTERNAL,
-    Topic,
-)
-from shared.wire.client import Client
-from shared.wire.subscription import Received
+from tests.support.service_rig import ServiceRig
 
 PERIOD = 0.01
 EXACT: dict[str, Any] = {"dead_band_force": 0.0, "dead_band_torque": 0.0}
@@ -32,12 +20,11 @@ EXACT: dict[str, Any] = {"dead_band_force": 0.0, "dead_band_torque": 0.0}
 TOOL = (0.6, -0.2, 1.0)
 
 
-class Rig:
+class Rig(ServiceRig):
     """Publishes what the base needs; everything can be changed at any time. ``period`` [s] is asked for each wrench."""
 
     def __init__(self, base_type: str = "omni", **parameters: Any) -> None:
-        self.stack = Stack()
-        self._robot = Client(self.stack.bus, self.stack.scheduler.clock)
+        super().__init__()
         self.wrench: Array = np.zeros(6)
         self.error: Array = np.zeros(6)
         self.wrench_on = self.robot_on = self.status_on = self.enable_on = True
@@ -46,53 +33,43 @@ class Rig:
         self.period: Callable[[], float] = lambda: PERIOD
         self.position: tuple[float, ...] = TOOL
         self.base_type, self.mode, self.max_base = base_type, "ready", (1.0, 1.0, 2.0)
-        self.commands: list[Received[BaseTwistCommand]] = []
-        self.statuses: list[Received[BaseStatus]] = []
-        self.stack.client.watch(COMMAND_BASE_TWIST, self.commands.append)
-        self.stack.client.watch(BASE_STATUS, self.statuses.append)
+        self.commands = self.hear(topics.COMMAND_BASE_TWIST)
+        self.statuses = self.hear(topics.BASE_STATUS)
         self.base = Base(BaseParameters.of(parameters))
         self.runner = self.stack.add(self.base)
-        for action in (self._say_pose, self._say_status, self._enable, self._feel):
-            self.stack.scheduler.soon(action)
+        self.every(lambda: PERIOD, self._say_pose)
+        self.every(lambda: 0.2, self._say_status)
+        self.every(lambda: 0.2, self._enable)
+        self.every(lambda: self.period(), self._feel)
 
     def _say_pose(self) -> None:
         if self.robot_on:
             zero = np.zeros(3)
-            self._robot.publish(STATE_EE, EndEffector(self.position, (0, 0, 0, 1), zero, zero))
-        self._again(PERIOD, self._say_pose)
+            pose = EndEffector(self.position, (0, 0, 0, 1), zero, zero)
+            self.surroundings.publish(topics.STATE_EE, pose)
 
     def _say_status(self) -> None:
         if self.robot_on and self.status_on:
             self.say_robot()
-        self._again(0.2, self._say_status)
 
-    def say_robot(self) -> None:
-        """``state/robot``, as on a change."""
+    def say_robot(self, mode: str | None = None) -> None:
+        """``state/robot``, as on a change; in another mode from now on, if one is given."""
+        self.mode = mode or self.mode
         status = RobotStatus(self.mode, "by hand", self.base_type, False, 0.3, 1.0, self.max_base)
-        self._robot.publish(STATE_ROBOT, status)
+        self.surroundings.publish(topics.STATE_ROBOT, status)
 
     def _enable(self) -> None:
         if self.enable_on:
-            self.publish(BASE_ENABLE, Enable(self.enabled), self.enable_valid)
-        self._again(0.2, self._enable)
+            self.publish(topics.BASE_ENABLE, Enable(self.enabled), self.enable_valid)
 
     def _feel(self) -> None:
         if self.wrench_on:
             message = ExternalWrench(self.wrench[:3], self.wrench[3:], self.error, "tare", self.wrench_fault)
-            self.publish(WRENCH_EXTERNAL, message, self.wrench_valid)
-        self._again(self.period(), self._feel)
+            self.publish(topics.WRENCH_EXTERNAL, message, self.wrench_valid)
 
-    def _again(self, after: float, call: Callable[[], None]) -> None:
-        self.stack.scheduler.at(self.stack.scheduler.clock.now_ns() + nanoseconds(after), call)
-
-    def publish(self, topic: Topic, message: Any, valid: bool = True) -> None:
-        self.stack.client.publish(topic, message, valid)
-
-    def run(self, duration: float) -> None:
-        """Let time pass; keeps what was published meanwhile."""
-        self.commands.clear()
-        self.statuses.clear()
-        self.stack.run(duration)
+    def stop(self, engaged: bool, valid: bool = True) -> None:
+        """Somebody stops everything, or releases that."""
+        self.publish(topics.STOP, Stop(engaged, "red button"), valid)
 
     def started(self) -> Rig:
         """Healthy for long enough, enabled and at rest."""
@@ -115,13 +92,13 @@ class Rig:
     def enable(self, enabled: bool) -> None:
         """Enable or disable now and from now on."""
         self.enabled = enabled
-        self.publish(BASE_ENABLE, Enable(enabled), self.enable_valid)
+        self.publish(topics.BASE_ENABLE, Enable(enabled), self.enable_valid)
 
     def restart_robot(self, silence: float) -> None:
         """The robot falls silent [s] and comes back in a new session; its sensor with it."""
         self.robot_on = self.wrench_on = False
         self.run(silence)
-        self._robot = Client(self.stack.bus, self.stack.scheduler.clock)
+        self.new_session()
         self.robot_on = self.wrench_on = True
 
     @property
@@ -144,6 +121,6 @@ class Rig:
         """The newest status."""
         return self.statuses[-1].message
 
-    def ask(self, **values: Any) -> dict[str, Any]:
-        """Read, or set, parameters."""
-        return self.stack.client.ask(BASE_PARAMETERS, {"set": values} if values else {})
+    def set(self, **values: Any) -> dict[str, Any]:
+        """Set parameters; with none, read them."""
+        return self.ask(topics.BASE_PARAMETERS, {"set": values} if values else {})["parameters"]

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from shared.messages import Enable
-from shared.parameters import Refused
-from shared.topics import BASE_ENABLE
+from shared.topics import BASE_ENABLE, BASE_PARAMETERS
 from tests.services.base.rig import EXACT, PERIOD, TOOL, Rig
 
 
@@ -212,7 +211,7 @@ def test_an_invalid_enable_disables() -> None:
 
 def test_parameters_by_the_names_of_the_contract_and_out_of_range_refused() -> None:
     rig = Rig().started()
-    table = rig.ask()["parameters"]
+    table = rig.set()
     contract = {"mass", "inertia", "damping_linear", "damping_angular", "max_linear", "max_angular"}
     assert contract <= set(table)
     assert [table[name]["value"] for name in ("mass", "inertia", "damping_linear", "damping_angular")] == [
@@ -227,9 +226,8 @@ def test_parameters_by_the_names_of_the_contract_and_out_of_range_refused() -> N
         ("damping_linear", "much", "a finite number"),
         ("bogus", 1.0, "damping_angular"),
     ):
-        with pytest.raises(Refused, match=allowed):
-            rig.ask(**{name: value})
-        assert rig.ask()["parameters"] == table
+        rig.refuses(allowed, BASE_PARAMETERS, {"set": {name: value}})
+        assert rig.set() == table
 
 
 @pytest.mark.parametrize(
@@ -240,7 +238,7 @@ def test_parameters_by_the_names_of_the_contract_and_out_of_range_refused() -> N
 def test_changes_while_it_moves_never_jump(change: dict) -> None:
     rig = Rig().pushed()
     before = rig.velocity
-    rig.ask(**change)
+    rig.set(**change)
     rig.run(2.0)
     speeds = np.vstack((before, rig.velocities))[:, 0]
     assert np.abs(np.diff(speeds)).max() <= 0.7 * 0.0101

@@ -19,31 +19,19 @@ from shared.topics import BASE_ENABLE, STATE_EE, STATE_ROBOT, STOP, WRENCH_EXTER
 from tests.services.base.rig import PERIOD, Rig
 
 
-def invalid(rig: Rig) -> None:
-    rig.wrench_valid = False
-
-
-def silent_wrench(rig: Rig) -> None:
-    rig.wrench_on = False
-
-
-def silent_robot(rig: Rig) -> None:
-    rig.robot_on = False
-
-
 @pytest.mark.parametrize(
-    ("fault", "within"), [(invalid, 0.011), (silent_wrench, 0.041), (silent_robot, 0.111)]
+    ("lost", "within"), [("wrench_valid", 0.011), ("wrench_on", 0.041), ("robot_on", 0.111)]
 )
-def test_brakes_for_a_fault_and_follows_again_by_itself(fault: Callable[[Rig], None], within: float) -> None:
+def test_brakes_for_a_fault_and_follows_again_by_itself(lost: str, within: float) -> None:
     rig = Rig().pushed()
     speed = rig.velocity[0]
-    fault(rig)
+    setattr(rig, lost, False)
     rig.run(within)
     assert rig.status.state == "braking" and not rig.commands[-1].header.valid
     assert rig.velocity[0] < max(speed, *rig.velocities[:, 0])
     rig.run(2.0)
     assert not rig.velocity.any() and rig.status.state == "braking"
-    rig.wrench_on = rig.wrench_valid = rig.robot_on = True
+    setattr(rig, lost, True)
     rig.run(0.35)
     assert not rig.velocity.any()
     rig.run(0.6)
@@ -97,7 +85,7 @@ def test_sensor_failure_over_100_ms_is_latched_until_released(word: str) -> None
     mend_sensor(rig)
     assert not rig.velocity.any() and rig.status.state == "braking"
     assert word in rig.base.notes() and "tandem resume" in rig.base.notes()
-    rig.publish(STOP, Stop(False, "checked"))
+    rig.stop(False)
     rig.run(0.2)
     assert rig.velocity[0] > 0.0 and rig.status.state == "following" and rig.base.notes() == ""
 
@@ -109,46 +97,33 @@ def test_a_short_sensor_failure_is_not_latched() -> None:
     assert rig.velocity[0] > 0.0
 
 
-def test_stop_brakes_at_the_next_wrench_until_released() -> None:
+HALTS: dict[str, tuple[Callable[[Rig], None], str, Callable[[Rig], None]]] = {
+    "stop": (lambda rig: rig.stop(True), "red button", lambda rig: rig.stop(False)),
+    "invalid stop": (lambda rig: rig.stop(True, valid=False), "red button", lambda rig: rig.stop(False)),
+    # A stop whose message never came here.
+    "robot": (
+        lambda rig: rig.say_robot("stopped"),
+        "robot is stopped: by hand",
+        lambda rig: rig.say_robot("ready"),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", HALTS)
+def test_a_stop_brakes_at_the_next_wrench_until_it_is_released(name: str) -> None:
+    halt, words, release = HALTS[name]
     rig = Rig().pushed()
     speed = rig.velocity[0]
-    rig.publish(STOP, Stop(True, "red button"))
+    halt(rig)
     rig.run(0.02)
     assert rig.velocity[0] == pytest.approx(speed - 0.7 * 0.02, abs=0.7 * 0.011)
-    assert rig.status.state == "braking" and "red button" in rig.base.notes()
+    assert rig.status.state == "braking" and words in rig.base.notes()
     rig.run(3.0)
     assert not rig.velocity.any() and rig.status.state == "off"
-    rig.publish(STOP, Stop(False))
-    rig.run(0.1)
-    assert rig.velocity[0] > 0.0
-
-
-def test_an_invalid_stop_stops_but_an_invalid_release_releases_nothing() -> None:
-    rig = Rig().pushed()
-    rig.publish(STOP, Stop(True, "red button"), valid=False)
-    rig.run(3.0)
-    assert not rig.velocity.any() and rig.status.state == "off"
-    rig.publish(STOP, Stop(False), valid=False)
+    rig.stop(False, valid=False)
     rig.run(1.0)
-    assert rig.resting and "red button" in rig.base.notes()
-    rig.publish(STOP, Stop(False))
-    rig.run(0.1)
-    assert rig.velocity[0] > 0.0
-
-
-def test_a_robot_that_is_stopped_while_the_base_moves_brakes_it_until_it_is_not() -> None:
-    """A stop whose message never came here."""
-    rig = Rig().pushed()
-    speed = rig.velocity[0]
-    rig.mode = "stopped"
-    rig.say_robot()
-    rig.run(0.02)
-    assert rig.velocity[0] == pytest.approx(speed - 0.7 * 0.02, abs=0.7 * 0.011)
-    assert rig.status.state == "braking" and "robot is stopped: by hand" in rig.base.notes()
-    rig.run(3.0)
-    assert not rig.velocity.any() and rig.status.state == "off"
-    rig.mode = "ready"
-    rig.say_robot()
+    assert rig.resting and words in rig.base.notes(), "an invalid release releases nothing"
+    release(rig)
     rig.run(0.1)
     assert rig.velocity[0] > 0.0
 
@@ -159,8 +134,7 @@ def test_a_stop_from_before_its_start_is_heard_from_the_robot() -> None:
     rig.push(fx=9.0)
     rig.run(2.0)
     assert rig.resting and rig.status.state == "off" and "robot is stopped: by hand" in rig.base.notes()
-    rig.mode = "ready"
-    rig.say_robot()
+    rig.say_robot("ready")
     rig.run(0.1)
     assert rig.velocity[0] > 0.0
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -36,31 +38,29 @@ def test_bound_on_the_mean_holds() -> None:
         assert np.all(np.abs(average.mean - sensor.exact(LEVEL)) <= average.mean_error)
 
 
-def test_too_few_samples() -> None:
+def pushed(n: int) -> Array:
+    return np.array((0, 0, 0.01 * n, 0, 0, 0))
+
+
+def swung(n: int) -> Array:
+    return np.array((0, 4 * np.sin(0.3 * n), 0, 0, 0, 0))
+
+
+NOT_STILL: dict[str, tuple[int, Callable[[int], Array], float, str]] = {
+    "too short": (5, lambda n: np.zeros(6), 0.0, "only 5 samples"),
+    "swinging": (100, swung, 0.0, "force y varies"),
+    "slowly pushed": (100, pushed, 0.0, "force z drifts"),
+    "turning": (100, lambda n: np.zeros(6), 0.0003, r"turned by 0\.030 rad"),
+}
+
+
+@pytest.mark.parametrize("name", NOT_STILL)
+def test_what_is_no_tool_at_rest_is_refused(name: str) -> None:
+    count, force, turn, words = NOT_STILL[name]
     sensor = Sensor()
-    with pytest.raises(NotStill, match="only 5 samples"):
-        averaged([sensor.reading(LEVEL) for _ in range(5)])
-
-
-def test_swinging_force_names_the_axis() -> None:
-    sensor = Sensor()
-    swing = [sensor.reading(LEVEL) + np.array((0, 4 * np.sin(0.3 * n), 0, 0, 0, 0)) for n in range(100)]
-    with pytest.raises(NotStill, match="force y varies"):
-        averaged(swing)
-
-
-def test_slow_push_is_noticed_by_its_drift() -> None:
-    sensor = Sensor()
-    push = [sensor.reading(LEVEL) + np.array((0, 0, 0.01 * n, 0, 0, 0)) for n in range(100)]
-    with pytest.raises(NotStill, match="force z drifts"):
-        averaged(push)
-
-
-def test_turning_is_noticed() -> None:
-    sensor = Sensor()
-    rotations = [rotation_from_vector((0.0, 0.0003 * n, 0.0)) for n in range(100)]
-    with pytest.raises(NotStill, match=r"turned by 0\.030 rad"):
-        averaged([sensor.reading(rotation) for rotation in rotations], rotations)
+    rotations = [rotation_from_vector((0.0, turn * n, 0.0)) for n in range(count)]
+    with pytest.raises(NotStill, match=words):
+        averaged([sensor.reading(rotation) + force(n) for n, rotation in enumerate(rotations)], rotations)
 
 
 def test_orientation_is_averaged_too() -> None:

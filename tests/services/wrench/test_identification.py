@@ -72,36 +72,28 @@ def test_residuals_of_a_sensor_that_does_not_follow_the_model_widen_the_bound() 
     assert known.bias_error[:3].min() > 1.0
 
 
-@pytest.mark.parametrize("count", [0, 1, 2])
-def test_too_few_poses_are_refused(count: int) -> None:
-    sensor = Sensor()
-    with pytest.raises(NotExciting, match=f"{count} poses"):
-        identify([sensor.average(rotation) for rotation in TILTED[:count]])
+NOT_EXCITING = {
+    "no pose": ([], 0.8, "0 poses"),
+    "two poses": (TILTED[:2], 0.8, "2 poses"),
+    "about the vertical": (about("z", 0.0, 1.0, 2.0, 3.0), 0.8, r"tilt varies by only 0\.0 degrees"),
+    "about x alone": (about("x", -0.2, -0.1, 0.1, 0.2), 0.8, "about its y axis"),
+    "about y alone": (about("y", -0.2, -0.1, 0.1, 0.2), 0.8, "about its x axis"),
+    "no weight": (TILTED, 0.0, "does not stand out"),
+}
 
 
-def test_turns_about_the_vertical_do_not_count() -> None:
-    sensor = Sensor()
-    with pytest.raises(NotExciting, match=r"tilt varies by only 0\.0 degrees"):
-        identify([sensor.average(rotation) for rotation in about("z", 0.0, 1.0, 2.0, 3.0)])
-
-
-@pytest.mark.parametrize(("tilted", "missing"), [("x", "y"), ("y", "x")])
-def test_tilts_about_one_axis_name_the_other(tilted: str, missing: str) -> None:
-    sensor = Sensor()
-    with pytest.raises(NotExciting, match=f"about its {missing} axis"):
-        identify([sensor.average(rotation) for rotation in about(tilted, -0.2, -0.1, 0.1, 0.2)])
+@pytest.mark.parametrize("name", NOT_EXCITING)
+def test_poses_that_do_not_determine_it_are_refused_with_what_is_missing(name: str) -> None:
+    rotations, mass, words = NOT_EXCITING[name]
+    sensor = Sensor(mass=mass)
+    with pytest.raises(NotExciting, match=words):
+        identify([sensor.average(rotation) for rotation in rotations])
 
 
 def test_the_motion_that_was_named_mends_it() -> None:
     sensor = Sensor()
     rotations = about("x", -0.6, 0.0, 0.6) + about("y", -0.6, 0.6)
     assert identify([sensor.average(rotation) for rotation in rotations]).condition < 30
-
-
-def test_no_weight_is_refused() -> None:
-    sensor = Sensor(mass=0.0)
-    with pytest.raises(NotExciting, match="does not stand out"):
-        identify([sensor.average(rotation) for rotation in TILTED])
 
 
 def test_noise_of_the_readings_is_reported() -> None:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from shared.topics import WRENCH_TARE
 from tests.services.wrench.rig import BAG, Rig, bounds_hold, identified
 from tests.services.wrench.sensor import TILTED
 
@@ -14,13 +13,12 @@ from tests.services.wrench.sensor import TILTED
 def test_restarted_process_goes_on_with_the_tare_of_the_same_robot_run(tmp_path: Path) -> None:
     rig = Rig(tmp_path)
     rig.run(0.2)
-    rig.ask(WRENCH_TARE, duration=1.0)
+    rig.tare()
     rig.external = BAG
-    rig.run(0.02)
-    rig.run(0.5)
+    rig.settle(0.5)
     before = rig.wrenches.mean(axis=0)
     again = Rig(tmp_path)
-    again.stack.client.publisher.session = rig.stack.client.publisher.session
+    again.surroundings.publisher.session = rig.surroundings.publisher.session
     again.external = BAG
     again.run(0.5)
     assert again.last.message.compensation == "tare"
@@ -30,7 +28,7 @@ def test_restarted_process_goes_on_with_the_tare_of_the_same_robot_run(tmp_path:
 def test_tare_of_another_robot_run_is_not_used(tmp_path: Path) -> None:
     rig = Rig(tmp_path)
     rig.run(0.2)
-    rig.ask(WRENCH_TARE, duration=1.0)
+    rig.tare()
     again = Rig(tmp_path)
     again.run(0.5)
     assert again.last.message.compensation == "none"
@@ -39,10 +37,10 @@ def test_tare_of_another_robot_run_is_not_used(tmp_path: Path) -> None:
 def test_tare_survives_a_restart_of_the_robot_process() -> None:
     rig = Rig()
     rig.run(0.2)
-    rig.ask(WRENCH_TARE, duration=1.0)
+    rig.tare()
     rig.on = False
     rig.run(2.0)
-    rig.stack.client.publisher.session += 1
+    rig.new_session()
     rig.on = True
     rig.run(0.5)
     assert rig.last.header.valid and rig.last.message.compensation == "tare"
@@ -65,7 +63,7 @@ def test_full_disk_is_noted_and_changes_nothing_else(tmp_path: Path) -> None:
     blocked.write_text("")
     rig = Rig(blocked)
     rig.run(0.2)
-    assert rig.ask(WRENCH_TARE, duration=1.0)["ok"] is True
+    assert rig.tare()["ok"] is True
     rig.run(0.2)
     assert rig.last.header.valid and rig.last.message.compensation == "tare"
     assert "cannot write" in rig.wrench.notes()
