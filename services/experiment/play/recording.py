@@ -11,7 +11,8 @@ import csv
 import dataclasses
 import json
 import zlib
-from dataclasses import MISSING, dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import NoneType
 from typing import Any
@@ -20,7 +21,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from shared.topics import Topic, topic_by_key
-from shared.wire.codec import Rejected, decode, decode_map
+from shared.wire.codec import Rejected, decode
 
 RECORDING = "recording.npz"  # its name in the folder of a run
 Columns = dict[str, np.ndarray]
@@ -110,21 +111,16 @@ class Recording:
         folder.mkdir(parents=True, exist_ok=True)
         written = []
         for key, columns in self.topics.items():
-            path = folder / f"{key.replace('/', '_')}.csv"
             flat = {
-                name: column for name, values in columns.items() for name, column in _spread(name, values)
+                name: column.tolist()
+                for name, values in columns.items()
+                for name, column in _spread(name, values)
             }
-            with path.open("w", newline="", encoding="utf-8") as file:
-                writer = csv.writer(file)
-                writer.writerow(flat)
-                writer.writerows(zip(*(column.tolist() for column in flat.values()), strict=True))
-            written.append(path)
-        path = folder / "events.csv"
-        with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(("time", "event", "detail"))
-            writer.writerows(dataclasses.astuple(event) for event in self.events)
-        return [*written, path]
+            written.append(
+                _write(folder / f"{key.replace('/', '_')}.csv", flat, zip(*flat.values(), strict=True))
+            )
+        events = (dataclasses.astuple(event) for event in self.events)
+        return [*written, _write(folder / "events.csv", ("time", "event", "detail"), events)]
 
 
 class Recorder:
@@ -149,50 +145,26 @@ class Recorder:
         for key, heard in sorted((key, list(heard)) for key, heard in self._heard.items()):
             topic = topic_by_key(key)
             assert topic is not None
-            try:
-                columns = _table(topic, heard, start)
-            except (ValueError, TypeError):
-                # Some value has another shape than its column: only now is the full check of each message worth it.
-                columns = _table(
-                    topic, [(time, payload) for time, payload in heard if _sound(topic, payload)], start
-                )
-            if len(columns["time"]) < len(heard):
-                rejected[key] = len(heard) - len(columns["time"])
-            topics[key] = columns
+            sound = [
+                (time, plain) for time, payload in heard if (plain := _plain(topic, payload)) is not None
+            ]
+            if len(sound) < len(heard):
+                rejected[key] = len(heard) - len(sound)
+            topics[key] = {"time": np.array([time for time, _ in sound]) - start}
+            for name in sound[0][1] if sound else ():
+                column = "message_time" if name == "time" else name
+                topics[key] |= _columns(column, [plain[name] for _, plain in sound])
         shifted = [Event(event.time - start, event.name, event.detail) for event in events]
         return Recording(meta | {"rejected": rejected}, shifted, topics)
 
 
-def _map(topic: Topic, payload: bytes, needed: frozenset[str]) -> dict[str, Any] | None:
-    """One message of a topic as it is, or None if it is not one that has all the fields needed.
-
-    The full check of every element is the readers' in the control loop; here the shapes decide, since a column has one.
-    """
+def _plain(topic: Topic, payload: bytes) -> dict[str, Any] | None:
+    """A message of a topic as a map, with `valid` of its header; None if it is none."""
     try:
-        data = decode_map(payload, topic.cap)
+        header, message = decode(topic.message, payload, topic.cap)
     except Rejected:
         return None
-    return data if needed <= data.keys() else None
-
-
-def _sound(topic: Topic, payload: bytes) -> bool:
-    try:
-        decode(topic.message, payload, topic.cap)
-    except Rejected:
-        return False
-    return True
-
-
-def _table(topic: Topic, heard: list[tuple[float, bytes]], start: float) -> Columns:
-    fields = {name: default for name, _, default in topic.message.kinds()}
-    needed = frozenset(("valid", *(name for name, default in fields.items() if default is MISSING)))
-    messages = [(time, data) for time, payload in heard if (data := _map(topic, payload, needed)) is not None]
-    columns = _columns("valid", [data["valid"] for _, data in messages])
-    for name, default in fields.items():
-        columns |= _columns(name, [data.get(name, default) for _, data in messages])
-    if "time" in columns:
-        columns["message_time"] = columns.pop("time")
-    return {"time": np.array([time for time, _ in messages]) - start, **columns}
+    return {"valid": header.valid, **message.to_plain()}
 
 
 def _columns(name: str, values: list[Any]) -> Columns:
@@ -211,7 +183,7 @@ def _columns(name: str, values: list[Any]) -> Columns:
             return columns
         absent: Any = "" if isinstance(sample, str) else np.full(np.shape(sample), np.nan)
         values = [absent if value is None else value for value in values]
-    if values and isinstance(values[0], list) and values[0] and isinstance(values[0][0], str):
+    if values and isinstance(values[0], tuple) and values[0] and isinstance(values[0][0], str):
         values = values[:1]  # the joints' names repeat in every message; one row says it all
     return columns | {name: np.array(values)}
 
@@ -231,3 +203,11 @@ def _spread(name: str, values: np.ndarray) -> list[tuple[str, np.ndarray]]:
     if values.ndim == 1:
         return [(name, values)]
     return [(f"{name}.{index}", values[:, index]) for index in range(values.shape[1])]
+
+
+def _write(path: Path, head: Iterable[str], rows: Iterable[tuple[Any, ...]]) -> Path:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(head)
+        writer.writerows(rows)
+    return path
