@@ -56,7 +56,7 @@ class Case:
         kind: what is special about it.
         run: the stack's configuration.
         script: what the person does.
-        ends_held: the person lets go of his end in the middle: the robot has to keep its own and say why it waits.
+        ends_held: the person lets go of the far end in the middle: the robot has to keep its own and say why it waits.
         drawn: the figures that tell it from others, for people.
     """
 

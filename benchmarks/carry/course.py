@@ -1,7 +1,7 @@
 """The carry's course with the person of a case, who tells the robot what it waits for.
 
-He says `tandem task release` when the robot does not let go of a panel on the ground, once more if it still does not,
-and `tandem resume` and `tandem task start` when it holds because a fault was latched.
+The person says `tandem task release` when the robot does not let go of a panel on the ground, once more if it still
+does not, and `tandem resume` and `tandem task start` when it holds because a fault was latched.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from services.experiment.play.recording import Event
 from shared import topics
 
 PATIENCE = 12.0
-"""Time [s] for which he waits with the panel on the ground before he says so."""
+"""Time [s] for which the person waits with the panel on the ground before saying so."""
 
 
 LOOKS, ENDS = 1.0, 1.0
-"""Time [s] until he says `resume`, and from then on until `start`: less than the course waits for a task that holds."""
+"""Time [s] until the person says `resume`, and from then on until `start`: less than the course waits for a task that holds."""
 MOST_WORDS = 4
 MOST_RELEASES = 2
 """The second one opens the gripper at once."""
 ALONE = 6.0
-"""Time [s] for which the robot has to hold what he has let go of."""
+"""Time [s] for which the robot has to hold what the person has let go of."""
 NOTE_EVERY = 1.0  # [s]
 
 
@@ -34,7 +34,7 @@ class SweepCourse(CarrySequence):
 
     Attributes:
         told: what the person had to say to the robot, in order.
-        resumes: whether he says `tandem resume` now.
+        resumes: whether the person says `tandem resume` now.
     """
 
     def __init__(self, case: Case) -> None:
@@ -66,7 +66,7 @@ class SweepCourse(CarrySequence):
         return []
 
     def _watch(self, now: float, seen: Observation) -> None:
-        """What becomes of a panel whose other end he has let go of."""
+        """What becomes of a panel whose other end the person has let go of."""
         if seen.task not in ("carrying", "holding") or seen.doing:
             self._alone_since = None
         elif self._alone_since is None:
@@ -75,7 +75,7 @@ class SweepCourse(CarrySequence):
             self.done = True
 
     def _resume(self, now: float, seen: Observation) -> list[Ask]:
-        """What he says when it holds for something that only a person may end: `resume`, and then `start`."""
+        """What is said when the robot holds for something that only a person may end: `resume`, and then `start`."""
         self.resumes = False
         if seen.task != "holding" or "tandem resume" not in seen.reason or len(self.told) > MOST_WORDS:
             self._held_since = None

@@ -29,7 +29,7 @@ class Verdict:
         reason: of that state.
         time: from start to `done` [s]; None if that was not reached.
         lost: the gripper lost the panel without having been told to open.
-        torn: it lost it after the person had let go of his end for good, although the task had warned him before that.
+        torn: it lost it after the person had let go of the far end for good, although the task had warned before that.
         fell: nobody held the panel, and it was not on the ground.
         gap: height [m] of the panel's near end above the ground when the gripper opened; None if it did not.
         carried: force [N] that the robot carried then.
@@ -37,11 +37,11 @@ class Verdict:
         share: of the time while it carried in which the force on an axis was above its limit, per axis.
         peak: largest force over limit, per axis.
         tilt: largest pitch [rad] of the panel while both held it.
-        strain: spring part of the person's hands while he held it, without damping and the weight that he lifts: mean
+        strain: spring part of the person's hands while they held it, without damping and the weight that they lift: mean
             force [N] and torque [Nm].
         stands: at the end the panel stands on its edge.
         held: at the end the gripper holds it.
-        ends_held: that is what was to be, because the person let go of his end in the middle.
+        ends_held: that is what was to be, because the person let go of the far end in the middle.
         trouble: why the experiment itself could not go on.
     """
 

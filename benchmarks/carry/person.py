@@ -1,4 +1,4 @@
-"""What the person of a carry does, and how: fast or slow, far or near, and what he does wrong."""
+"""What the person of a carry does, and how: fast or slow, far or near, and what goes wrong."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class Manner:
         lift: height [m].
         forwards, back, aside: ways [m]; ``aside`` is to the left, there and back.
         twist: [degrees], there and back.
-        drops: whether he lets go of his end in the middle.
-        waits: whether he lets go of the panel on the ground only after the robot did.
+        drops: whether the person lets go of the far end in the middle.
+        waits: whether the person lets go of the panel on the ground only after the robot did.
     """
 
     pace: float
@@ -33,7 +33,7 @@ class Manner:
 
     @classmethod
     def drawn(cls, draw: np.random.Generator, arm_only: bool, kind: str) -> Manner:
-        """A manner that suits a kind of case; without a base he stays where the arm reaches."""
+        """A manner that suits a kind of case; without a base the person stays where the arm reaches."""
         far = 0.15 if arm_only else 1.0
         return cls(
             pace=float(draw.uniform(0.6, 1.5)),

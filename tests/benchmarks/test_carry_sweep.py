@@ -105,7 +105,7 @@ def test_to_be_torn_out_is_a_drop_that_is_told_apart() -> None:
 @pytest.mark.parametrize(
     "how",
     [{"lost": 49}, {"warned": 51}, {"ends_held": False}, {"let_go": 1000}],
-    ids=("lost while he held it", "warned too late", "not meant to let go", "never let go"),
+    ids=("lost while it was held", "warned too late", "not meant to let go", "never let go"),
 )
 def test_what_is_lost_otherwise_is_just_a_drop(how: dict[str, Any]) -> None:
     found = torn_out(**how)

@@ -30,7 +30,7 @@ DOINGS = {
     "lift": "Both lift the panel",
     "lower": "Both set the panel down on its edge",
 }
-"""What the person does while the robot carries; where he leads the panel is seen from the panel."""
+"""What the person does while the robot carries; where the panel is led is seen from the panel."""
 PULLS, PUSHES = "The person pulls: the robot follows", "The person pushes: the robot gives way"
 LEADS, SIDEWAYS = "The person leads the panel", "The person leads the panel sideways"
 TWISTS, TURNS = "The person twists the panel and turns it back", "The person turns the panel upright"

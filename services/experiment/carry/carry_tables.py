@@ -29,7 +29,7 @@ def tables(measured: Mapping[str, Measures]) -> list[Table]:
             tuple(row for name, found in measured.items() for row in _limits(name, found)),
         ),
         Table(
-            "Movement by movement (shares of what the person wants, lags behind his wish)",
+            "Movement by movement (shares of what the person wants, lags behind that wish)",
             ("run", *movements),
             tuple((name, *_movement(one)) for name, found in measured.items() for one in found.followed),
         ),

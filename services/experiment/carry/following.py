@@ -30,8 +30,8 @@ class Followed:
 
     Attributes:
         name, way: of the movement, as in the script.
-        start, end: when the person began to want it and when his wish stood again [s].
-        wanted: how far he wanted to get [m, rad], signed.
+        start, end: when the person began to want it and when that wish stood again [s].
+        wanted: how far the person wanted to get [m, rad], signed.
         far, near, base: how far the far end with the hands, the robot's end and the base went, as shares of that.
         lag, base_lag: how much later than the wish robot's end and base were half-way [s]; infinite if they never were.
         reaction: time [s] from the push that the hands feel to the tool's motion.
@@ -105,7 +105,7 @@ def followed(motion: Motion, script: Sequence[Guidance]) -> tuple[Followed, ...]
 
 
 def _movements(motion: Motion, doing: str) -> list[tuple[int, int, str]]:
-    """Begin, end (indices) and way of everything that the person wanted while he was about one thing."""
+    """Begin, end (indices) and way of everything that the person wanted while about one thing."""
     about = motion.doing == doing
     if not about.any():
         return []
