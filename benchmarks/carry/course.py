@@ -20,7 +20,8 @@ PATIENCE = 12.0
 
 
 LOOKS, ENDS = 1.0, 1.0
-"""Time [s] until the person says `resume`, and from then on until `start`: less than the course waits for a task that holds."""
+"""Time [s] until the person says `resume`, and from then on until `start`: less than the course waits for a task that
+holds."""
 MOST_WORDS = 4
 MOST_RELEASES = 2
 """The second one opens the gripper at once."""

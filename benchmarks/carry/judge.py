@@ -37,8 +37,8 @@ class Verdict:
         share: of the time while it carried in which the force on an axis was above its limit, per axis.
         peak: largest force over limit, per axis.
         tilt: largest pitch [rad] of the panel while both held it.
-        strain: spring part of the person's hands while they held it, without damping and the weight that they lift: mean
-            force [N] and torque [Nm].
+        strain: spring part of the person's hands while they held it, without damping and the weight that they lift:
+            mean force [N] and torque [Nm].
         stands: at the end the panel stands on its edge.
         held: at the end the gripper holds it.
         ends_held: that is what was to be, because the person let go of the far end in the middle.

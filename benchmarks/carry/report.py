@@ -49,33 +49,19 @@ def trace(played: Played) -> None:
 
 def show(results: Sequence[Result], took: float, jobs: int) -> None:
     """The table, and what failed."""
+    verdicts = [verdict for _, verdict in results]
     table = Table(title=f"{len(results)} carries, {took / 60:.0f} min with {jobs} jobs", title_justify="left")
-    for column in (
-        "kind",
-        "carries",
-        "completed",
-        "of them without help",
-        "after release",
-        "held safely",
-        "not",
-        "dropped",
-        "of them torn out",
-        "early",
-        "median s",
-        "median peak, limits",
-        "largest peak",
-        "over limit, median %",
-        "hands' springs N, Nm",
-    ):
-        table.add_column(column, justify="left" if column == "kind" else "right")
+    table.add_column("kind")
+    for column in _row(verdicts):
+        table.add_column(column, justify="right")
     for kind in (*dict.fromkeys(KINDS), "all"):
-        chosen = [result for result in results if kind in ("all", result[0].kind)]
+        chosen = [verdict for case, verdict in results if kind in ("all", case.kind)]
         if chosen:
-            table.add_row(kind, *_cells([verdict for _, verdict in chosen]))
+            table.add_row(kind, *_row(chosen).values())
     Console(width=160).print(table)
-    print(headline([verdict for _, verdict in results]))
-    by_axis = np.array([verdict.peak for _, verdict in results])
-    shares = np.array([verdict.share for _, verdict in results])
+    print(headline(verdicts))
+    by_axis = np.array([verdict.peak for verdict in verdicts])
+    shares = np.array([verdict.share for verdict in verdicts])
     print("        " + "".join(f"{name:>8}" for name in AXES))
     for text, values in (
         ("peak 50%", np.median(by_axis, axis=0)),
@@ -91,40 +77,42 @@ def show(results: Sequence[Result], took: float, jobs: int) -> None:
 
 def headline(verdicts: Sequence[Verdict]) -> str:
     """What became of all of them, in a line that leaves nothing out."""
-    completed = [verdict.told for verdict in verdicts if verdict.completed]
-    alone = sum(not told for told in completed)
-    released = sum("release" in told for told in completed)
-    restarted = sum(bool(told) and "release" not in told for told in completed)
-    dropped = sum(verdict.dropped for verdict in verdicts)
-    torn = sum(verdict.torn for verdict in verdicts)
-    ended = sum(verdict.completed or verdict.safe or verdict.dropped or verdict.early for verdict in verdicts)
+    found = _tally(verdicts)
+    restarted = found["completed"] - found["of them without help"] - found["after release"]
     return (
-        f"{len(completed)} of {len(verdicts)} completed: {alone} without help, {released} after "
-        f"somebody said `tandem task release`, {restarted} after `tandem resume` and `tandem task start`; "
-        f"{sum(verdict.safe for verdict in verdicts)} held safely; {len(verdicts) - ended} not completed; {dropped} "
-        f"dropped ({torn} of them torn out by a person who let go although the task had warned); "
-        f"{sum(verdict.early for verdict in verdicts)} let go of early"
+        f"{found['completed']} of {found['carries']} completed: {found['of them without help']} without help, "
+        f"{found['after release']} after somebody said `tandem task release`, {restarted} after `tandem resume` and "
+        f"`tandem task start`; {found['held safely']} held safely; {found['not']} not completed; {found['dropped']} "
+        f"dropped ({found['of them torn out']} of them torn out by a person who let go although the task had warned); "
+        f"{found['early']} let go of early"
     )
 
 
-def _cells(verdicts: Sequence[Verdict]) -> list[str]:
+def _tally(verdicts: Sequence[Verdict]) -> dict[str, int]:
+    completed = [verdict.told for verdict in verdicts if verdict.completed]
+    return {
+        "carries": len(verdicts),
+        "completed": len(completed),
+        "of them without help": sum(not told for told in completed),
+        "after release": sum("release" in told for told in completed),
+        "held safely": sum(verdict.safe for verdict in verdicts),
+        "not": sum(verdict.word in ("NOT COMPLETED", "FELL OVER") for verdict in verdicts),
+        "dropped": sum(verdict.dropped for verdict in verdicts),
+        "of them torn out": sum(verdict.torn for verdict in verdicts),
+        "early": sum(verdict.early for verdict in verdicts),
+    }
+
+
+def _row(verdicts: Sequence[Verdict]) -> dict[str, str]:
+    """The table's columns and their cells for some carries."""
     times = [verdict.time for verdict in verdicts if verdict.time is not None]
     peaks = [max(verdict.peak) for verdict in verdicts]
-    completed = [verdict.told for verdict in verdicts if verdict.completed]
     force, torque = np.mean([verdict.strain for verdict in verdicts], axis=0)
-    return [
-        str(len(verdicts)),
-        str(len(completed)),
-        str(sum(not told for told in completed)),
-        str(sum("release" in told for told in completed)),
-        str(sum(verdict.safe for verdict in verdicts)),
-        str(sum(verdict.word in ("NOT COMPLETED", "FELL OVER") for verdict in verdicts)),
-        str(sum(verdict.dropped for verdict in verdicts)),
-        str(sum(verdict.torn for verdict in verdicts)),
-        str(sum(verdict.early for verdict in verdicts)),
-        f"{np.median(times):.0f}" if times else "-",
-        f"{np.median(peaks):.2f}",
-        f"{max(peaks):.2f}",
-        f"{100 * np.median([max(verdict.share) for verdict in verdicts]):.1f}",
-        f"{force:.1f}, {torque:.1f}",
-    ]
+    return {
+        **{name: str(count) for name, count in _tally(verdicts).items()},
+        "median s": f"{np.median(times):.0f}" if times else "-",
+        "median peak, limits": f"{np.median(peaks):.2f}",
+        "largest peak": f"{max(peaks):.2f}",
+        "over limit, median %": f"{100 * np.median([max(verdict.share) for verdict in verdicts]):.1f}",
+        "hands' springs N, Nm": f"{force:.1f}, {torque:.1f}",
+    }
