@@ -11,4 +11,4 @@ from shared.loop.process import run
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run until SIGTERM; returns the exit status."""
-    return run(Base, BaseParameters, "base", None if arguments is None else list(arguments))
+    return run(Base, BaseParameters, "base", arguments)

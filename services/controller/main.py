@@ -20,4 +20,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
     def make(parameters: ControllerParameters) -> Controller:
         return Controller(parameters, SteadyClock().now_ns)
 
-    return run(make, ControllerParameters, "controller", None if arguments is None else list(arguments))
+    return run(make, ControllerParameters, "controller", arguments)

@@ -16,4 +16,4 @@ from shared.loop.process import run
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run until SIGTERM; returns the exit status."""
-    return run(MockRobot, MockParameters, "mock", None if arguments is None else list(arguments))
+    return run(MockRobot, MockParameters, "mock", arguments)

@@ -22,4 +22,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         return Simulator(parameters, RenderProcess)
 
-    return run(make, SimParameters, "sim", None if arguments is None else list(arguments))
+    return run(make, SimParameters, "sim", arguments)

@@ -16,12 +16,11 @@ NAME = "task"
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run until SIGTERM; returns the exit status."""
-    given = None if arguments is None else list(arguments)
 
     def make(parameters: TaskParameters) -> Task:
         clock = SteadyClock()
         # A folder for each robot: what one of them holds means nothing to another.
-        folder = default_folder() / settings(NAME, TaskParameters, given).robot
+        folder = default_folder() / settings(NAME, TaskParameters, arguments).robot
         return Task(parameters, lambda: seconds(clock.now_ns()), folder)
 
-    return run(make, TaskParameters, NAME, given)
+    return run(make, TaskParameters, NAME, arguments)

@@ -16,4 +16,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
     def make(parameters: WrenchParameters) -> Wrench:
         return Wrench(parameters, default_folder())
 
-    return run(make, WrenchParameters, "wrench", None if arguments is None else list(arguments))
+    return run(make, WrenchParameters, "wrench", arguments)

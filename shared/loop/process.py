@@ -7,7 +7,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from shared.clock import SteadyClock, seconds
@@ -39,7 +39,7 @@ class StopRequest:
 
 
 def run(
-    make: Callable[[P], Service], parameters: type[P], name: str, arguments: list[str] | None = None
+    make: Callable[[P], Service], parameters: type[P], name: str, arguments: Sequence[str] | None = None
 ) -> int:
     """Run a service until SIGTERM or SIGINT.
 

@@ -18,13 +18,23 @@ from services.experiment.carry.excess import Wrenches
 from services.experiment.carry.motion import Motion
 from services.experiment.play.course import Run
 from services.experiment.play.recording import Recording
-from services.experiment.report.drawing import BLUE, FAINT, GREEN, INK, LIMIT_COLOUR, VERMILION
+from services.experiment.report.drawing import (
+    BLUE,
+    FAINT,
+    GREEN,
+    INK,
+    LIMIT_COLOUR,
+    LIMIT_LINE,
+    VERMILION,
+    WIDTH,
+    WINDOW,
+    head,
+    stacked,
+)
 
-WIDTH = 7.4  # [in]
 COLOURS = {"certified": BLUE, "paper": VERMILION, "stiffness": GREEN}
 STYLES: dict[str, Any] = {"certified": "-", "paper": (0, (4, 1.5)), "stiffness": (0, (1.5, 1))}
 DIFFERENTIAL = (0, (6, 2, 1, 2))
-WINDOW = 0.3  # [s] of the largest value that is drawn
 SHOWN_BEFORE = 1.0  # [s] before the grasp
 _LABELS = ("f$_x$ [N]", "f$_y$ [N]", "f$_z$ [N]", "t$_x$ [Nm]", "t$_y$ [Nm]", "t$_z$ [Nm]")
 _FOOTPRINT = 0.27  # [m] radius of TIAGo's base
@@ -34,19 +44,19 @@ _SHADE = "#F0F0F0"
 
 def draw_wrench(run: Run, recording: Recording, found: Measures) -> Figure:
     """The six axes of the wrench at the tool over time, with the band that the limits leave."""
-    figure, panels = plt.subplots(6, 1, sharex=True, figsize=(WIDTH, 9.6), layout="constrained")
+    figure, panels = stacked(6, 9.6)
     wrenches = Wrenches.of(recording, found.held.start, _end(recording, found))
     time = wrenches.time
     for axis, axes in enumerate(panels):
         low, high = (wrenches.nominal + sign * wrenches.limit for sign in (-1, 1))
         value = wrenches.wrench[:, axis]
         for edge in (low[:, axis], high[:, axis]):
-            axes.plot(time, edge, color=LIMIT_COLOUR, linewidth=1.0, linestyle=(0, (5, 2)), zorder=4)
+            axes.plot(time, edge, **LIMIT_LINE, zorder=4)
         axes.plot(time, value, color=BLUE, linewidth=0.7, zorder=3)
         over = (value < low[:, axis]) | (value > high[:, axis])
         axes.plot(time[over], value[over], ".", color=LIMIT_COLOUR, markersize=2.5, zorder=5, rasterized=True)
         axes.set_ylabel(_LABELS[axis])
-    panels[0].set_title(run.title, loc="left", fontsize=10, fontweight="bold", pad=34)
+    head(panels[0], run.title, pad=34)
     panels[-1].set_xlabel(
         "time [s]   (dashed: limits, centred on the agreed share of the weight; red: over a limit)"
     )
@@ -81,14 +91,14 @@ def draw_paths(run: Run, recording: Recording, found: Measures) -> Figure:
         "x, away from the robot [m]   (dots: at the grasp; squares: at the release; circles: the base)"
     )
     axes.set_ylabel("y, to its left [m]")
-    axes.set_title(run.title, loc="left", fontsize=10, fontweight="bold")
+    head(axes, run.title)
     figure.legend(loc="outside lower center", ncols=4, handlelength=2.8, columnspacing=1.4)
     return figure
 
 
 def draw_heights(run: Run, recording: Recording, found: Measures) -> Figure:
     """Heights of the panel's ends, and how it is turned, over time."""
-    figure, panels = plt.subplots(2, 1, sharex=True, figsize=(WIDTH, 5.6), layout="constrained")
+    figure, panels = stacked(2, 5.6)
     motion = Motion.of(recording)
     shown = motion.time >= found.held.start - SHOWN_BEFORE
     time = motion.time[shown]
@@ -113,8 +123,9 @@ def draw_heights(run: Run, recording: Recording, found: Measures) -> Figure:
     turns.set_yticks(range(0, 91, 30))
     turns.legend(loc="upper left")
     for axes in panels:
-        _instant(axes, found.held.end)
-    heights.set_title(run.title, loc="left", fontsize=10, fontweight="bold", pad=34)
+        if np.isfinite(found.held.end):
+            axes.axvline(found.held.end, color=INK, linewidth=0.9, zorder=2)
+    head(heights, run.title, pad=34)
     turns.set_xlabel("time [s]   (line: the gripper opens)")
     turns.set_xlim(float(time[0]), float(time[-1]))
     mark(panels, found)
@@ -125,12 +136,12 @@ def draw_comparison(
     runs: Mapping[str, Run], recordings: Mapping[str, Recording], found: Mapping[str, Measures]
 ) -> Figure:
     """The runs with the same script: how much of the limits is used, and what the person exerts and does."""
-    figure, panels = plt.subplots(3, 1, sharex=True, figsize=(WIDTH, 7.4), layout="constrained")
+    figure, panels = stacked(3, 7.4)
     load, force, work = panels
     for name, run in runs.items():
         base = name.rpartition("-")[2]
         style = DIFFERENTIAL if base == "differential" else STYLES[run.law]
-        look = {"color": COLOURS[run.law], "linestyle": style, "linewidth": 1.3}
+        look: dict[str, Any] = {"color": COLOURS[run.law], "linestyle": style, "linewidth": 1.3}
         recording, it = recordings[name], found[name]
         end = _end(recording, it)
         wrenches = Wrenches.of(recording, it.held.start, end)
@@ -139,7 +150,7 @@ def draw_comparison(
         held = (motion.time >= it.held.start) & (motion.time < end)
         force.plot(motion.time[held], np.linalg.norm(motion.push[held], axis=1), **look)
         work.plot(motion.time[held], guiding_work(motion)[held], **look)
-    load.axhline(1.0, color=LIMIT_COLOUR, linewidth=1.0, linestyle=(0, (5, 2)), zorder=8)
+    load.axhline(1.0, **LIMIT_LINE, zorder=8)
     load.set_yscale("log")
     load.set_yticks((0.1, 0.2, 0.5, 1, 2, 5, 10), ("0.1", "0.2", "0.5", "limit", "2", "5", "10"))
     load.minorticks_off()
@@ -188,11 +199,6 @@ def _largest(time: np.ndarray, values: np.ndarray) -> np.ndarray:
     half = max(1, round(WINDOW / 2 / float(np.median(np.diff(time)))))
     padded = np.pad(values, half, mode="edge")
     return np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1).max(axis=1)
-
-
-def _instant(axes: Axes, time: float) -> None:
-    if np.isfinite(time):
-        axes.axvline(time, color=INK, linewidth=0.9, zorder=2)
 
 
 @dataclass(frozen=True)

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.lib.stride_tricks import sliding_window_view
 
 from services.experiment.load.load_measures import Measures
 from services.experiment.load.load_protocol import RUNS
 from services.experiment.measure.brakes import SETTLING
 from services.experiment.play.course import Run
 from services.experiment.play.recording import Recording
-from services.experiment.report.drawing import FAINT, INK, LIMIT_COLOUR
+from services.experiment.report.drawing import FAINT, INK, LIMIT_COLOUR, LIMIT_LINE, head, stacked, windows
 from shared import topics
 
 # Okabe and Ito's palette: told apart with any colour vision; line styles carry the same information in grey.
@@ -25,13 +23,12 @@ COLOURS = dict(
 STYLES = dict(
     zip((run.name for run in RUNS), ("-", (0, (4, 1.5)), "-", (0, (1.5, 1)), (0, (6, 2, 1, 2))), strict=True)
 )
-WIDTH, HEIGHT = 7.4, 5.0  # [in]
-WINDOW = 0.3  # [s] of the mean and of the range that are drawn
+HEIGHT = 5.0  # [in]
 
 
 def draw_run(run: Run, recording: Recording, found: Measures) -> Figure:
     """Load -force z [N] with its limit, and tool z [m], of one run; grey is what a brake upset on the way down."""
-    figure, (load, height) = _panels()
+    figure, (load, height) = stacked(2, HEIGHT)
     colour = COLOURS.get(run.name, "#0072B2")
     time, force = _load(recording)
     load.plot(time, force, color=colour, linewidth=0.5, alpha=0.4)
@@ -40,22 +37,22 @@ def draw_run(run: Run, recording: Recording, found: Measures) -> Figure:
     height.axhline(found.hold_height, color=FAINT, linewidth=0.8, linestyle=":")
     for brake in found.brakes:
         load.axvspan(brake.start, brake.end + SETTLING, color=FAINT, alpha=0.25, linewidth=0)
-    _events((load, height), recording, found)
-    load.set_title(run.title, loc="left", fontsize=10, fontweight="bold")
+    _mark((load, height), recording, found)
+    head(load, run.title)
     _finish((load, height), [recording])
     return figure
 
 
 def draw_comparison(runs: Mapping[str, Run], recordings: Mapping[str, Recording]) -> Figure:
     """Load (mean, and pale the range within WINDOW) and tool height of all runs over one time axis."""
-    figure, (load, height) = _panels()
+    figure, (load, height) = stacked(2, HEIGHT)
     for name, run in runs.items():
         colour, style = COLOURS.get(name, INK), STYLES.get(name, "-")
         time, force = _load(recordings[name])
         load.fill_between(*_range(time, force), color=colour, alpha=0.16, linewidth=0)
         load.plot(*_mean(time, force), color=colour, linestyle=style, linewidth=1.4)
         height.plot(*_height(recordings[name]), label=run.title, color=colour, linestyle=style, linewidth=1.4)
-    _events((load, height), next(iter(recordings.values())), None)
+    _mark((load, height), next(iter(recordings.values())), None)
     _legend(figure, height)
     _finish((load, height), list(recordings.values()))
     return figure
@@ -65,7 +62,7 @@ def draw_lowering(
     runs: Mapping[str, Run], recordings: Mapping[str, Recording], found: Mapping[str, Measures]
 ) -> Figure:
     """The moments after the heavier bag, on a time axis that starts with it: how each law lowers and lands."""
-    figure, (load, height) = _panels()
+    figure, (load, height) = stacked(2, HEIGHT)
     longest = max((m.lowering_time for m in found.values() if np.isfinite(m.lowering_time)), default=5.0)
     for layer, (name, run) in enumerate(runs.items(), start=2):
         recording = recordings[name]
@@ -87,11 +84,6 @@ def draw_lowering(
     return figure
 
 
-def _panels() -> tuple[Figure, tuple[Axes, Axes]]:
-    figure, panels = plt.subplots(2, 1, sharex=True, figsize=(WIDTH, HEIGHT), layout="constrained")
-    return figure, tuple(panels)
-
-
 def _load(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     key = topics.WRENCH_EXTERNAL.key
     return recording.time(key), -recording.series(key, "force")[:, 2]
@@ -102,25 +94,19 @@ def _height(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     return recording.time(key), recording.series(key, "position")[:, 2]
 
 
-def _windows(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Centres (m,) and contents (m, n) of the windows that slide over the series."""
-    count = max(2, round(WINDOW / float(np.median(np.diff(time)))))
-    return sliding_window_view(time, count).mean(axis=1), sliding_window_view(values, count)
-
-
 def _mean(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    centres, windows = _windows(time, values)
-    return centres, windows.mean(axis=1)
+    centres, contents = windows(time, values)
+    return centres, contents.mean(axis=1)
 
 
 def _range(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    centres, windows = _windows(time, values)
-    return centres, windows.min(axis=1), windows.max(axis=1)
+    centres, contents = windows(time, values)
+    return centres, contents.min(axis=1), contents.max(axis=1)
 
 
 def _limit(axes: Axes, recording: Recording) -> None:
     limit = recording.meta["force_limit"][2]
-    axes.axhline(limit, color=LIMIT_COLOUR, linewidth=1.0, linestyle=(0, (5, 2)), zorder=8)
+    axes.axhline(limit, **LIMIT_LINE, zorder=8)
     axes.annotate(
         f"limit {limit:.0f} N",
         (1.0, limit),
@@ -134,7 +120,7 @@ def _limit(axes: Axes, recording: Recording) -> None:
     )
 
 
-def _events(panels: tuple[Axes, Axes], recording: Recording, found: Measures | None) -> None:
+def _mark(panels: Sequence[Axes], recording: Recording, found: Measures | None) -> None:
     """Lines through both panels; events are named in the upper one, the landing in the lower one, where it is seen."""
     marks = [
         (event.time, event.detail, panels[0], 1.0)
@@ -170,7 +156,7 @@ def _labels(load: Axes, height: Axes) -> None:
     height.set_ylabel("tool height z [m]")
 
 
-def _finish(panels: tuple[Axes, Axes], recordings: Sequence[Recording]) -> None:
+def _finish(panels: Sequence[Axes], recordings: Sequence[Recording]) -> None:
     load, height = panels
     _labels(load, height)
     height.set_xlabel("time [s]")
