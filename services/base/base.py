@@ -10,20 +10,11 @@ import numpy as np
 from services.base.admittance import REST, Admittance, SpeedLimits
 from services.base.parameters import BaseParameters
 from services.base.planar_wrench import Planar, about_base, beyond_dead_band, error_about_base
+from shared import topics
 from shared.faults import SHUTDOWN, Fault
 from shared.loop.halt import Halt
 from shared.messages import BaseStatus, BaseTwistCommand, RobotStatus
 from shared.service import Inputs, Output, Service, Wiring
-from shared.topics import (
-    BASE_ENABLE,
-    BASE_PARAMETERS,
-    BASE_STATUS,
-    COMMAND_BASE_TWIST,
-    STATE_EE,
-    STATE_ROBOT,
-    STOP,
-    WRENCH_EXTERNAL,
-)
 
 TTL = 0.1  # [s] for which the robot may execute a command: three of the longest periods of a wrench
 
@@ -37,10 +28,10 @@ class Base(Service[BaseParameters]):
 
     wiring = Wiring(
         name="base",
-        driver=WRENCH_EXTERNAL,
-        required=(WRENCH_EXTERNAL, STATE_EE, STATE_ROBOT),
-        optional=(BASE_ENABLE, STOP),
-        parameters=BASE_PARAMETERS,
+        driver=topics.WRENCH_EXTERNAL,
+        required=(topics.WRENCH_EXTERNAL, topics.STATE_EE, topics.STATE_ROBOT),
+        optional=(topics.BASE_ENABLE, topics.STOP),
+        parameters=topics.BASE_PARAMETERS,
     )
 
     def __init__(self, parameters: BaseParameters) -> None:
@@ -58,7 +49,7 @@ class Base(Service[BaseParameters]):
         self._unused = dt
         self._halt.listen(inputs)
         drive = self._feel(inputs)
-        robot = inputs[STATE_ROBOT].message
+        robot = inputs[topics.STATE_ROBOT].message
         enabled = self._enabled(inputs)
         stopped = f"the robot is stopped: {robot.reason}" if robot.mode == "stopped" else ""
         self._note = self._halt.reason or stopped
@@ -66,7 +57,7 @@ class Base(Service[BaseParameters]):
         if following:
             velocity = self._body.follow(self._velocity, drive, self._limits(robot), dt)
             if not (robot.max_base > 0.0).any():
-                self._note = f"{STATE_ROBOT.key}.max_base is zero: the base cannot move"
+                self._note = f"{topics.STATE_ROBOT.key}.max_base is zero: the base cannot move"
         else:
             velocity = self._body.brake(self._velocity, dt)
         # A robot that begins to allow less is obeyed at once, whatever deceleration that takes.
@@ -105,7 +96,10 @@ class Base(Service[BaseParameters]):
 
     def _feel(self, inputs: Inputs) -> Planar:
         """The wrench about the base's origin, beyond the dead band."""
-        wrench, position = inputs[WRENCH_EXTERNAL].message, inputs[STATE_EE].message.position.tolist()
+        wrench, position = (
+            inputs[topics.WRENCH_EXTERNAL].message,
+            inputs[topics.STATE_EE].message.position.tolist(),
+        )
         felt = about_base(wrench.force.tolist(), wrench.torque.tolist(), position)
         if not math.isfinite(felt[2]):
             raise ArithmeticError("the wrench carried over to the base's origin is not finite")
@@ -116,8 +110,8 @@ class Base(Service[BaseParameters]):
 
     def _enabled(self, inputs: Inputs) -> bool:
         """Whether the task enables the base: recently, and for the robot as it is since its last restart."""
-        enable = inputs.get(BASE_ENABLE)
-        sessions = inputs[STATE_EE].header.session, inputs[STATE_ROBOT].header.session
+        enable = inputs.get(topics.BASE_ENABLE)
+        sessions = inputs[topics.STATE_EE].header.session, inputs[topics.STATE_ROBOT].header.session
         restarted = self._sessions not in (None, sessions)
         self._sessions = sessions
         if enable is None:
@@ -127,7 +121,7 @@ class Base(Service[BaseParameters]):
             self._outdated = enable.age > self.wiring.startup
         elif enable.new:
             self._outdated = False
-        fresh = not self._outdated and enable.age <= BASE_ENABLE.max_age
+        fresh = not self._outdated and enable.age <= topics.BASE_ENABLE.max_age
         return fresh and enable.header.valid and enable.message.enabled
 
     def _limits(self, robot: RobotStatus) -> SpeedLimits:
@@ -150,8 +144,8 @@ class Base(Service[BaseParameters]):
     def _outputs(self, state: str) -> Iterator[Output]:
         """The command, then the status, made after the command has left."""
         velocity = np.array(self._velocity)
-        yield Output(COMMAND_BASE_TWIST, BaseTwistCommand(velocity, ttl=TTL))
-        yield Output(BASE_STATUS, BaseStatus(state, np.array(self._wrench), velocity))
+        yield Output(topics.COMMAND_BASE_TWIST, BaseTwistCommand(velocity, ttl=TTL))
+        yield Output(topics.BASE_STATUS, BaseStatus(state, np.array(self._wrench), velocity))
 
 
 def _allowed_by(robot: RobotStatus) -> SpeedLimits:

@@ -108,7 +108,7 @@ class StateMachine(Commands):
         return roll_since(self._carry.home, self._seen.tool) if self._carry and self._seen else 0.0
 
     def step(self, seen: Observation | None, faults: Sequence[TaskFault], dt: float) -> Decision:
-        """One step.
+        """What one step decides.
 
         Args:
             seen: None if the tool's pose is not known.

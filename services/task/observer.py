@@ -9,17 +9,10 @@ from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
 from services.task.states import Observation
 from services.task.vision.marker_tracker import MarkerTracker
+from shared import topics
 from shared.clock import seconds
 from shared.messages import Header
 from shared.service import Inputs, Reading
-from shared.topics import (
-    CONTROL_STATUS,
-    STATE_EE,
-    STATE_GRIPPER,
-    STATE_ROBOT,
-    STOP,
-    WRENCH_EXTERNAL,
-)
 from shared.wire.subscription import PERIODS_TO_SILENCE, SLOWEST_PERIOD
 
 GUARDED_MAX_AGE = 0.08
@@ -40,22 +33,22 @@ class Observer:
 
     def look(self, inputs: Inputs, tracker: MarkerTracker) -> tuple[Observation, list[TaskFault]]:
         """What is known now, and what is wrong."""
-        tool = inputs[STATE_EE]
+        tool = inputs[topics.STATE_EE]
         faults = [
             fault
             for fault in (
                 self._stopped(inputs),
                 self._restarted(tool.header.session),
-                *self._wrench(inputs.get(WRENCH_EXTERNAL)),
+                *self._wrench(inputs.get(topics.WRENCH_EXTERNAL)),
                 _controller(inputs),
                 tracker.doubt,
             )
             if fault is not None
         ]
-        wrench, gripper = inputs.get(WRENCH_EXTERNAL), inputs.get(STATE_GRIPPER)
-        robot = inputs.get(STATE_ROBOT)
+        wrench, gripper = inputs.get(topics.WRENCH_EXTERNAL), inputs.get(topics.STATE_GRIPPER)
+        robot = inputs.get(topics.STATE_ROBOT)
         numb = any(fault.kind is Impairment.NUMB for fault in faults)
-        fresh = gripper is not None and gripper.header.valid and gripper.age <= STATE_GRIPPER.max_age
+        fresh = gripper is not None and gripper.header.valid and gripper.age <= topics.STATE_GRIPPER.max_age
         message = tool.message
         seen = Observation(
             tool=Pose.of(message.position, message.orientation),
@@ -68,13 +61,13 @@ class Observer:
             gripper=gripper.message if fresh and gripper is not None else None,
             marker=tracker.pose,
             doubt=tracker.doubt,
-            guarded=self._guarded(inputs.get(CONTROL_STATUS)),
-            robot="" if robot is None or robot.age > STATE_ROBOT.max_age else robot.message.reason,
+            guarded=self._guarded(inputs.get(topics.CONTROL_STATUS)),
+            robot="" if robot is None or robot.age > topics.STATE_ROBOT.max_age else robot.message.reason,
         )
         return seen, faults
 
     def _stopped(self, inputs: Inputs) -> TaskFault | None:
-        stop = inputs.get(STOP)
+        stop = inputs.get(topics.STOP)
         if stop is not None and stop.new:
             if stop.message.engaged:
                 self._stop = stop.message.reason
@@ -82,8 +75,8 @@ class Observer:
                 self._stop = None
         if self._stop is not None:
             return TaskFault("stop", self._stop)
-        robot = inputs.get(STATE_ROBOT)
-        if robot is not None and robot.age <= STATE_ROBOT.max_age and robot.message.mode == "stopped":
+        robot = inputs.get(topics.STATE_ROBOT)
+        if robot is not None and robot.age <= topics.STATE_ROBOT.max_age and robot.message.mode == "stopped":
             return TaskFault("robot_stopped", robot.message.reason)
         return None
 
@@ -116,11 +109,11 @@ class Observer:
 
 
 def _controller(inputs: Inputs) -> TaskFault | None:
-    reading = inputs.get(CONTROL_STATUS)
+    reading = inputs.get(topics.CONTROL_STATUS)
     if reading is None:
         return TaskFault("controller_never")
-    if reading.age > CONTROL_STATUS.max_age:
-        return TaskFault("controller_silent", _age(reading, CONTROL_STATUS.max_age))
+    if reading.age > topics.CONTROL_STATUS.max_age:
+        return TaskFault("controller_silent", _age(reading, topics.CONTROL_STATUS.max_age))
     if reading.message.state == "braking":
         return TaskFault("controller_braking", reading.message.reason)
     return None

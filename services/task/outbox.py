@@ -9,9 +9,9 @@ import numpy as np
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
 from services.task.states import AT_REST, Decision, State
+from shared import topics
 from shared.messages import ControlTarget, Enable, HeadCommand
 from shared.service import Output
-from shared.topics import BASE_ENABLE, COMMAND_GRIPPER, COMMAND_HEAD, CONTROL_TARGET
 
 _OFTEN = 0.15  # [s] between two targets, enables or statuses: 5 Hz or more, also if a step is late
 _SELDOM = 0.4
@@ -65,14 +65,14 @@ class Outbox:
         if self.target is not None:
             what = (self.target.position.tobytes(), self.target.rotation.tobytes(), self._nominal)
             if self._target_due(what, dt):
-                yield Output(CONTROL_TARGET, self._message(self.target))
+                yield Output(topics.CONTROL_TARGET, self._message(self.target))
         if self._base_due(decision.base, dt):
-            yield Output(BASE_ENABLE, Enable(decision.base))
+            yield Output(topics.BASE_ENABLE, Enable(decision.base))
         grip = decision.gripper
         if grip is not None and self._gripper_due((grip.opening, grip.effort), dt):
-            yield Output(COMMAND_GRIPPER, grip)
+            yield Output(topics.COMMAND_GRIPPER, grip)
         if decision.head is not None and self._head_due(decision.head, dt):
-            yield Output(COMMAND_HEAD, HeadCommand(*decision.head))
+            yield Output(topics.COMMAND_HEAD, HeadCommand(*decision.head))
 
     def status_due(self, state: State, dt: float) -> bool:
         """Whether ``task/status`` is to be sent, ``dt`` [s] after the last call: another reason alone is no change."""

@@ -111,7 +111,9 @@ class TaskParameters(Parameters):
     resume_distance: float = parameter(
         0.2, "m", 0.0, 1.0, "from the last target up to which a restart goes on carrying"
     )
-    resume_angle: float = parameter(0.5, "rad", 0.0, 3.0, "the same for the attitude")
+    resume_angle: float = parameter(
+        0.5, "rad", 0.0, 3.0, "turn from the last target up to which a restart goes on carrying"
+    )
     journal_max_age: float = parameter(120.0, "s", 1.0, 86400.0, "of a journal that a restart goes by")
     max_delay: float = parameter(
         0.1, "s", 1e-3, 1.0, "bound on how much later than the fastest one a pose may arrive"

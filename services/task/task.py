@@ -17,6 +17,7 @@ from services.task.states import Decision, Observation, State
 from services.task.timers import Sustained
 from services.task.vision.detection import BadImage, Detector
 from services.task.vision.marker_tracker import MarkerTracker
+from shared import topics
 from shared.clock import seconds
 from shared.faults import Fault, FaultKind
 from shared.messages import Enable, MarkerPose, TaskStatus
@@ -24,19 +25,6 @@ from shared.parameters import Refused
 from shared.requests import TaskAnswer, TaskCommand
 from shared.schema.records import Record
 from shared.service import Inputs, Output, Reading, Reply, Service, Wiring
-from shared.topics import (
-    BASE_ENABLE,
-    CONTROL_STATUS,
-    SENSOR_CAMERA,
-    STATE_EE,
-    STATE_GRIPPER,
-    STATE_ROBOT,
-    STOP,
-    TASK_COMMAND,
-    TASK_STATUS,
-    WRENCH_EXTERNAL,
-    Query,
-)
 
 PERIOD = 0.02  # [s] of a step: the loops of level assist and nominal wrench change within tenths of seconds
 _JOURNAL_EVERY = 1.0  # [s] between two entries, besides those at each change of state
@@ -63,10 +51,16 @@ class Task(Service[TaskParameters]):
         self.wiring = Wiring(
             name="task",
             driver=PERIOD,
-            required=(STATE_EE,),
-            optional=(STATE_GRIPPER, STATE_ROBOT, WRENCH_EXTERNAL, CONTROL_STATUS, STOP),
-            occasional={SENSOR_CAMERA: lambda: self.machine.state in _WATCHING},
-            queries=(TASK_COMMAND,),
+            required=(topics.STATE_EE,),
+            optional=(
+                topics.STATE_GRIPPER,
+                topics.STATE_ROBOT,
+                topics.WRENCH_EXTERNAL,
+                topics.CONTROL_STATUS,
+                topics.STOP,
+            ),
+            occasional={topics.SENSOR_CAMERA: lambda: self.machine.state in _WATCHING},
+            queries=(topics.TASK_COMMAND,),
             # An image takes half a period, more on a busy machine; a late step of the task harms nothing.
             overrun_share=1.0,
         )
@@ -102,7 +96,7 @@ class Task(Service[TaskParameters]):
         """The machine goes on without the tool's pose, and decides how long to wait for it."""
         if fault.kind is FaultKind.SHUTDOWN:
             # The last target stays in force and the gripper closed; only the base must not go on.
-            yield Output(BASE_ENABLE, Enable(False))
+            yield Output(topics.BASE_ENABLE, Enable(False))
             return
         self._tracker.advance(dt)
         name = "internal" if fault.kind is FaultKind.INTERNAL else "tool"
@@ -112,7 +106,7 @@ class Task(Service[TaskParameters]):
             self.machine.reason = fault.text
         yield from self._outputs(decision, dt)
 
-    def query(self, query: Query, request: Record, reply: Reply) -> None:
+    def query(self, query: topics.Query, request: Record, reply: Reply) -> None:
         """Answer ``task/command``.
 
         Raises:
@@ -163,13 +157,13 @@ class Task(Service[TaskParameters]):
                 self._height,
                 marker,
             )
-            yield Output(TASK_STATUS, TaskStatus(*says))
+            yield Output(topics.TASK_STATUS, TaskStatus(*says))
 
     def _look_for_marker(self, inputs: Inputs) -> None:
         if self.machine.state not in _LOOKING:
             self._tracker.reset()
             return
-        reading = inputs.get(SENSOR_CAMERA)
+        reading = inputs.get(topics.SENSOR_CAMERA)
         if reading is None or not reading.new:
             return
         image = reading.message
@@ -184,7 +178,7 @@ class Task(Service[TaskParameters]):
         except BadImage as problem:
             self._tracker.broken(str(problem))
             return
-        self._tracker.look(found, camera, _age(reading, inputs[STATE_EE]))
+        self._tracker.look(found, camera, _age(reading, inputs[topics.STATE_EE]))
 
     def _record(self, dt: float) -> None:
         """Keep the journal: once a second while something is held, and whenever what matters has changed."""

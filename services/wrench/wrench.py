@@ -14,6 +14,7 @@ from services.wrench.measurements import Measurements, described
 from services.wrench.parameters import WrenchParameters
 from services.wrench.sensor_watch import INVALID, SILENT, SensorWatch
 from services.wrench.storage import Journal, load_payload, save_payload
+from shared import topics
 from shared.faults import Fault, FaultKind
 from shared.messages import ExternalWrench
 from shared.parameters import Refused
@@ -21,14 +22,6 @@ from shared.requests import AddPose, Poses, SolveIdentification, StartIdentifica
 from shared.schema.records import Record
 from shared.service import Inputs, Output, Reply, Service, Wiring
 from shared.spatial import Array, rotation_matrix
-from shared.topics import (
-    SENSOR_FT,
-    WRENCH_EXTERNAL,
-    WRENCH_IDENTIFY,
-    WRENCH_PARAMETERS,
-    WRENCH_TARE,
-    Query,
-)
 
 
 class Wrench(Service[WrenchParameters]):
@@ -44,10 +37,10 @@ class Wrench(Service[WrenchParameters]):
 
     wiring = Wiring(
         name="wrench",
-        driver=SENSOR_FT,
-        required=(SENSOR_FT,),
-        queries=(WRENCH_TARE, WRENCH_IDENTIFY),
-        parameters=WRENCH_PARAMETERS,
+        driver=topics.SENSOR_FT,
+        required=(topics.SENSOR_FT,),
+        queries=(topics.WRENCH_TARE, topics.WRENCH_IDENTIFY),
+        parameters=topics.WRENCH_PARAMETERS,
         # It commands nothing: whoever uses its output waits for that to be healthy long enough.
         startup=0.0,
     )
@@ -60,13 +53,13 @@ class Wrench(Service[WrenchParameters]):
         self._watch = SensorWatch()
         self._lowpass = LowPass()
         self._measurements = Measurements(self._adopt)
-        self._trouble = f"no {SENSOR_FT.key} has come in yet"
+        self._trouble = f"no {topics.SENSOR_FT.key} has come in yet"
         self._session: int | None = None
         self._last: ExternalWrench | None = None
 
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
         """The external wrench of the newest sample; ``valid`` is false while the sensor shows a fault."""
-        reading = inputs[SENSOR_FT]
+        reading = inputs[topics.SENSOR_FT]
         sample = reading.message
         if reading.header.session != self._session:
             self._follow(reading.header.session)
@@ -92,7 +85,7 @@ class Wrench(Service[WrenchParameters]):
             self._measurements.abort(self._trouble)
         else:
             self._measurements.add(raw, rotation, dt, self.compensation)
-        return [Output(WRENCH_EXTERNAL, self._last, valid=not fault)]
+        return [Output(topics.WRENCH_EXTERNAL, self._last, valid=not fault)]
 
     def brake(self, fault: Fault, dt: float) -> list[Output]:
         """The last values, marked invalid; nothing before the first sample, since there is no value to give."""
@@ -102,9 +95,9 @@ class Wrench(Service[WrenchParameters]):
         if self._last is None:
             return []
         word = SILENT if fault.kind is FaultKind.SILENT else INVALID
-        return [Output(WRENCH_EXTERNAL, self._last.replaced(fault=word), valid=False)]
+        return [Output(topics.WRENCH_EXTERNAL, self._last.replaced(fault=word), valid=False)]
 
-    def query(self, query: Query, request: Record, reply: Reply) -> None:
+    def query(self, query: topics.Query, request: Record, reply: Reply) -> None:
         """Answer a tare or a step of an identification; what needs an average is answered in a later step."""
         if isinstance(request, SolveIdentification):
             result = self._measurements.solve()

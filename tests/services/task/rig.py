@@ -54,10 +54,10 @@ class MachineRig:
     def reason(self) -> str:
         return self.machine.reason
 
-    def command(self, word: object) -> State:
+    def command(self, word: str) -> State:
         return self.machine.command(word)
 
-    def refuses(self, word: object, words: str) -> None:
+    def refuses(self, word: str, words: str) -> None:
         """The machine refuses a command with these words."""
         with pytest.raises(Refused, match=words):
             self.machine.command(word)
@@ -164,7 +164,7 @@ class Rig(ServiceRig):
         """The state after a command."""
         return self.ask(TASK_COMMAND, {"command": command})["state"]
 
-    def refuses_to(self, command: str, words: str) -> None:
+    def refuses_to(self, command: object, words: str) -> None:
         """The task refuses a command with these words."""
         self.refuses(words, TASK_COMMAND, {"command": command})
 

@@ -19,7 +19,7 @@ STOP = TaskFault("stop", "hand in the way")
 class Case:
     """A command in a state, the words of its refusal, and what else is the case."""
 
-    word: object
+    word: str
     state: State
     words: str
     parameters: dict[str, object] = field(default_factory=dict)
@@ -28,8 +28,6 @@ class Case:
 
 
 REFUSED = {
-    "unknown word": Case("jump", State.IDLE, "wanted start, abort, release or reset"),
-    "no word": Case(None, State.IDLE, "wanted start"),
     "start twice": Case("start", State.SEARCHING, "at work already"),
     "start when done": Case("start", State.DONE, "`reset` first"),
     "start aborted": Case("start", State.HOLDING, "`reset` first"),

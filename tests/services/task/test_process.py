@@ -191,7 +191,7 @@ def test_killed_and_restarted_while_carrying(
 
 def test_stop_abort_and_refusals(around: Surroundings, task: Process) -> None:
     around.says("idle", "ready")
-    with pytest.raises(Refused, match="wanted start, abort, release or reset"):
+    with pytest.raises(Refused, match="wanted one of start, abort, release, reset"):
         around.ask("dance")
     around.begun("approaching")
     around.client.publish(STOP, Stop(True, "hand in the way"))

@@ -53,6 +53,13 @@ def test_at_rest_the_arm_is_left_to_others() -> None:
     assert not any(r.message.enabled for r in rig.said(topics.BASE_ENABLE))
 
 
+@pytest.mark.parametrize("word", ["jump", None, ["start"]])
+def test_any_other_word_is_refused_with_those_that_there_are(word: object) -> None:
+    rig = Rig()
+    rig.run(1.0)
+    rig.refuses_to(word, "command is .* wanted (one of start, abort, release, reset|text)")
+
+
 def test_it_asks_for_a_tare() -> None:
     rig = Rig()
     rig.robot.compensation = "none"
