@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from services.controller.bounds.contact_zone import ContactZone
+from services.controller.bounds.stiffness_bound import StiffnessBound
 from services.controller.laws.law import LawInput
 from services.controller.parameters import ControllerParameters
 from shared.spatial import Array, rotation_from_vector, skew
@@ -39,38 +42,37 @@ def jacobian(r: Array) -> Array:
     return np.hstack((np.eye(3), -skew(r)))
 
 
+def bound(
+    *zones: ContactZone, turn: float = 0.0, force: tuple[float, ...] = (0.0, 0.0, 0.0)
+) -> StiffnessBound:
+    """The bound for zones around a tool whose axes are parallel to the base's."""
+    found = StiffnessBound(zones)
+    found.update(np.eye(3), turn, list(force))
+    return found
+
+
 def state(
-    wrench: Array | None = None,
-    position: Array | None = None,
-    target: Array | None = None,
-    turn: Array | None = None,
-    target_turn: Array | None = None,
+    wrench: ArrayLike = (0.0,) * 6,
+    position: ArrayLike = (0.0,) * 3,
+    target: ArrayLike = (0.0,) * 3,
+    turn: ArrayLike = (0.0,) * 3,
+    target_turn: ArrayLike = (0.0,) * 3,
     limit: Array = LIMIT,
     error_bound: Array = ERROR,
-    nominal: Array | None = None,
 ) -> LawInput:
     """A law's input; what is not given is zero."""
-    zero = np.zeros(3)
     return LawInput(
-        wrench=np.zeros(6) if wrench is None else np.asarray(wrench, dtype=float),
+        wrench=np.array(wrench, dtype=float),
         limit=limit,
         error_bound=error_bound,
-        position=zero if position is None else np.asarray(position, dtype=float),
-        rotation=rotation_from_vector(zero if turn is None else turn),
-        target_position=zero if target is None else np.asarray(target, dtype=float),
-        target_rotation=rotation_from_vector(zero if target_turn is None else target_turn),
-        nominal=np.zeros(6) if nominal is None else nominal,
+        position=np.array(position, dtype=float),
+        rotation=rotation_from_vector(turn),
+        target_position=np.array(target, dtype=float),
+        target_rotation=rotation_from_vector(target_turn),
     )
 
 
 def agile(**changes: object) -> ControllerParameters:
     """Parameters without a limit on speeding up, as the paper's law is stated."""
-    values: dict[str, object] = {
-        "max_acceleration": (1e4,) * 6,
-        "period": 0.01,
-        "delay": 0.0,
-        "lag": 0.0,
-        "max_linear": 1.0,
-        "max_angular": 3.0,
-    }
-    return ControllerParameters.of({**values, **changes})
+    fast = {"max_acceleration": (1e4,) * 6, "max_linear": 1.0, "max_angular": 3.0}
+    return ControllerParameters.of({**fast, "period": 0.01, "delay": 0.0, "lag": 0.0, **changes})

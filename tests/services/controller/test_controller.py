@@ -100,20 +100,23 @@ def test_limits_too_close_to_the_error_brake_with_the_remedy() -> None:
     assert "0.05 Nm about x" in rig.status.reason and "tare" in rig.status.reason
 
 
-def test_parameters_out_of_range_change_nothing() -> None:
-    rig = Rig().started()
-    for name, value, allowed in (
+@pytest.mark.parametrize(
+    ("name", "value", "allowed"),
+    [
         ("period", 0.5, "0.001 to 0.2 s"),
         ("yield_start", 1.2, "0.5 to 1"),
         ("law", "pid", "certified"),
         ("contact_reach", [1.0, 1.0], "contact_reach"),
         ("barrier_rate", [1.0] * 5 + [-1.0], "0.0001 to 1000"),
         ("bogus", 1.0, "contact_stiffness"),
-    ):
-        before = rig.ask()["parameters"]
-        with pytest.raises(Refused, match=allowed):
-            rig.ask(**{name: value})
-        assert rig.ask()["parameters"] == before
+    ],
+)
+def test_parameters_out_of_range_change_nothing(name: str, value: object, allowed: str) -> None:
+    rig = Rig().started()
+    before = rig.ask()["parameters"]
+    with pytest.raises(Refused, match=allowed):
+        rig.ask(**{name: value})
+    assert rig.ask()["parameters"] == before
 
 
 def test_parameters_by_the_names_of_the_contract() -> None:

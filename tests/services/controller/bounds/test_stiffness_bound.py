@@ -9,23 +9,15 @@ import pytest
 
 from services.controller.bounds.stiffness_bound import TURN_QUANTUM, ContactZone, StiffnessBound, widened
 from shared.spatial import rotation_from_vector
-from tests.services.controller.contacts import jacobian, tangent, unit
+from tests.services.controller.contacts import bound, jacobian, tangent, unit
 
 REACH = (0.7, 0.3, 0.05)
-
-
-def fresh(
-    zones: list[ContactZone], turn: float = 0.0, force: tuple[float, ...] = (0.0, 0.0, 0.0)
-) -> StiffnessBound:
-    bound = StiffnessBound(zones)
-    bound.update(np.eye(3), turn, list(force))
-    return bound
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3, 0.6, 1.0])
 def test_no_contact_of_any_kind_exceeds_the_bound(friction: float) -> None:
     rng = np.random.default_rng(1)
-    bound = fresh([ContactZone(1000.0, REACH, friction)])
+    Kbar = bound(ContactZone(1000.0, REACH, friction))
     worst, worst_low = 0.0, 0.0
     for _ in range(4000):
         total = np.zeros((6, 6))
@@ -33,18 +25,18 @@ def test_no_contact_of_any_kind_exceeds_the_bound(friction: float) -> None:
             r = np.array(REACH) * (rng.choice((-1, 1), 3) if rng.random() < 0.5 else rng.uniform(-1, 1, 3))
             J = jacobian(r)
             total += J.T @ tangent(rng, 1000.0 * share, friction) @ J
-        worst = max(worst, float((np.abs(total) / bound.matrix).max()))
+        worst = max(worst, float((np.abs(total) / Kbar.matrix).max()))
         falling = -total.diagonal()
-        assert np.all(falling <= bound.low + 1e-9)
+        assert np.all(falling <= Kbar.low + 1e-9)
         if friction > 0.0:
-            worst_low = max(worst_low, float((falling / bound.low).max()))
+            worst_low = max(worst_low, float((falling / Kbar.low).max()))
     assert 0.9 < worst <= 1.0 + 1e-12
     assert friction == 0.0 or worst_low > 0.3
 
 
 def test_every_element_is_attained_without_friction() -> None:
     """``K = u u'`` with u half-way between the columns of J, at a corner of the reach."""
-    bound = fresh([ContactZone(1.0, REACH)], turn=-TURN_QUANTUM)
+    Kbar = bound(ContactZone(1.0, REACH), turn=-TURN_QUANTUM)
     largest = np.zeros((6, 6))
     for signs in itertools.product((-1, 1), repeat=3):
         J = jacobian(np.array(REACH) * signs)
@@ -54,12 +46,12 @@ def test_every_element_is_attained_without_friction() -> None:
                 continue
             u /= np.linalg.norm(u)
             largest[i, j] = max(largest[i, j], abs((J.T @ np.outer(u, u) @ J)[i, j]))
-    assert largest == pytest.approx(bound.matrix, rel=1e-9)
+    assert largest == pytest.approx(Kbar.matrix, rel=1e-9)
 
 
 def test_zones_add_up() -> None:
     far, near = ContactZone(500.0, (1.0, 0.3, 0.1)), ContactZone(5000.0, (0.1, 0.1, 0.05), 0.5)
-    both, one, other = fresh([far, near]), fresh([far]), fresh([near])
+    both, one, other = bound(far, near), bound(far), bound(near)
     assert both.matrix == pytest.approx(one.matrix + other.matrix)
     assert both.low == pytest.approx(one.low + other.low)
 
@@ -83,8 +75,8 @@ def test_widened_reach_holds_for_every_order_of_turns() -> None:
 def test_geometric_part_covers_what_turning_does_to_existing_forces(fixed_in: str) -> None:
     rng = np.random.default_rng(3)
     force_bound = np.array((9.0, 4.0, 7.0))
-    bound = fresh([ContactZone(1.0, REACH)], force=tuple(force_bound))
-    G = np.array(bound.geometric_rows)
+    Kbar = bound(ContactZone(1.0, REACH), force=tuple(force_bound))
+    G = np.array(Kbar.geometric_rows)
     for _ in range(2000):
         r = np.array(REACH) * rng.uniform(-1, 1, 3)
         f = force_bound * rng.uniform(-1, 1, 3)
@@ -116,6 +108,30 @@ def test_a_kept_bound_covers_the_attitude_it_is_kept_for() -> None:
         assert np.all(kept.matrix >= exact.matrix * (1 - 1e-12))
         assert np.all(kept.low >= exact.low * (1 - 1e-12))
     assert 10 < recomputed < 380
+
+
+def scaled(total: np.ndarray, axes: list[int], scale: np.ndarray) -> float:
+    """Largest eigenvalue of ``x^-1 K x^-1`` on some axes."""
+    return float(np.linalg.eigvalsh((total / np.outer(scale, scale))[np.ix_(axes, axes)])[-1])
+
+
+def test_largest_is_the_eigenvalue_at_the_corner_and_no_contact_exceeds_it() -> None:
+    rng = np.random.default_rng(2)
+    stiffness = 800.0
+    Kbar = bound(ContactZone(stiffness, REACH), turn=-TURN_QUANTUM)
+    corners = [jacobian(np.array(REACH) * signs) for signs in itertools.product((-1, 1), repeat=3)]
+    for _ in range(300):
+        axes = sorted(rng.choice(6, rng.integers(1, 7), replace=False).tolist())
+        scale = rng.uniform(0.1, 5.0, 6)
+        found = Kbar.largest(axes, scale.tolist())
+        assert found == pytest.approx(
+            max(scaled(stiffness * J.T @ J, axes, scale) for J in corners), rel=1e-9
+        )
+        total = np.zeros((6, 6))
+        for share in rng.dirichlet(np.ones(2)):
+            J = jacobian(np.array(REACH) * rng.uniform(-1, 1, 3))
+            total += J.T @ tangent(rng, stiffness * share, 0.0) @ J
+        assert scaled(total, axes, scale) <= found * (1 + 1e-9)
 
 
 def test_bad_zones_are_refused() -> None:

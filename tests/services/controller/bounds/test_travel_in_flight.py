@@ -78,60 +78,53 @@ def test_nothing_that_is_still_to_come_is_forgotten(seed: int) -> None:
         arrivals.append(math.inf if lost else time + fastest + jitter * rng.random())
 
 
+def after(travel: TravelInFlight, dt: float, *twists: np.ndarray) -> np.ndarray:
+    """What is in flight (12,) ``dt`` [s] after the last of several commands, given at intervals of ``dt``."""
+    for twist in twists:
+        travel.advance(dt)
+        travel.command(twist)
+    return travel.advance(dt)
+
+
+ALL, NONE = np.ones(6), np.zeros(6)
+ALONG_X = np.array((1.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+
 @pytest.mark.parametrize(
     ("dt", "period", "delay", "lag"), [(0.01, 0.02, 0.02, 0.02), (0.001, 0.0012, 0.03, 0.0)]
 )
 def test_a_steady_command_is_counted_exactly(dt: float, period: float, delay: float, lag: float) -> None:
-    travel = TravelInFlight(period, delay, lag)
     twist = np.array((0.1, -0.2, 0.0, 0.3, 0.0, -0.4))
-    for _ in range(2000):
-        travel.advance(dt)
-        travel.command(twist)
     expected = np.concatenate((np.maximum(-twist, 0), np.maximum(twist, 0))) * (delay + lag)
-    assert travel.advance(dt) == pytest.approx(expected, rel=1e-6)
+    found = after(TravelInFlight(period, delay, lag), dt, *[twist] * 2000)
+    assert found == pytest.approx(expected, rel=1e-6)
 
 
 def test_senses_are_never_netted() -> None:
-    travel = TravelInFlight(0.01, 0.05, 0.0)
-    for sign in (1, -1, 1, -1):
-        travel.advance(0.01)
-        travel.command(np.full(6, 0.1 * sign))
-    in_flight = travel.advance(0.01)
+    in_flight = after(TravelInFlight(0.01, 0.05, 0.0), 0.01, *(0.1 * sign * ALL for sign in (1, -1, 1, -1)))
     assert np.all(in_flight >= 0.1 * 0.02 - 1e-12)
 
 
 def test_it_ends_after_delay_and_lag() -> None:
     travel = TravelInFlight(0.01, 0.02, 0.005)
-    travel.advance(0.0)
-    travel.command(np.ones(6))
-    assert np.all(travel.advance(0.01)[6:] >= 0.01 - 1e-12)
-    travel.command(np.zeros(6))
-    for _ in range(20):
-        travel.advance(0.01)
-        travel.command(np.zeros(6))
-    assert np.all(travel.advance(0.01) < 1e-12)
+    assert np.all(after(travel, 0.01, ALL)[6:] >= 0.01 - 1e-12)
+    assert np.all(after(travel, 0.01, *[NONE] * 21) < 1e-12)
 
 
 def test_a_command_acts_no_longer_than_the_period_however_long_the_pause() -> None:
     travel = TravelInFlight(0.01, 0.5, 0.0)
-    travel.advance(0.0)
-    travel.command(np.ones(6))
+    travel.command(ALL)
     assert travel.advance(0.4)[6:] == pytest.approx(np.full(6, 0.01))
 
 
 def test_many_commands_in_a_short_time_are_bounded_and_not_forgotten() -> None:
     travel = TravelInFlight(0.2, 0.1, 0.0)
-    for _ in range(5000):
-        travel.advance(1e-5)
-        travel.command(np.full(6, 0.5))
-    assert np.all(travel.in_flight[6:] >= 0.5 * 0.05 - 1e-9)
+    assert np.all(after(travel, 1e-5, *[0.5 * ALL] * 5000)[6:] >= 0.5 * 0.05 - 1e-9)
 
 
 def test_no_time_no_change() -> None:
     travel = TravelInFlight(0.01, 0.02, 0.01)
-    travel.advance(0.0)
-    travel.command(np.ones(6))
-    before = travel.advance(0.005).copy()
+    before = after(travel, 0.005, ALL).copy()
     assert travel.advance(0.0) == pytest.approx(before)
 
 
@@ -139,17 +132,13 @@ def test_of_two_commands_at_one_instant_the_larger_counts() -> None:
     """A step that fails after its command is followed by a brake at once: whichever is lost, the other one acts."""
     travel = TravelInFlight(0.02, 0.05, 0.0)
     travel.advance(0.01)
-    travel.command(np.array((0.2, 0.0, 0.0, 0.0, 0.0, 0.0)))
-    travel.command(np.zeros(6))
+    travel.command(0.2 * ALONG_X)
+    travel.command(NONE)
     assert travel.advance(0.01)[6] >= 0.2 * 0.01 * (1.0 - 1e-9)
 
 
 def test_more_segments_than_are_kept_are_merged_without_losing_any_time() -> None:
     """A loop far quicker than the delay: everything of the last d is still counted, never less."""
-    period, delay, rate = 0.001, 0.1, 4000.0
-    travel = TravelInFlight(period, delay, 0.0)
-    for _ in range(2000):
-        travel.advance(1.0 / rate)
-        travel.command(np.array((0.1, 0.0, 0.0, 0.0, 0.0, 0.0)))
-    in_flight = travel.advance(1.0 / rate)[6]
-    assert 0.1 * delay * (1.0 - 1e-9) <= in_flight <= 0.1 * (delay + 2.0 / rate)
+    delay, dt = 0.1, 1.0 / 4000.0
+    in_flight = after(TravelInFlight(0.001, delay, 0.0), dt, *[0.1 * ALONG_X] * 2000)[6]
+    assert 0.1 * delay * (1.0 - 1e-9) <= in_flight <= 0.1 * (delay + 2.0 * dt)

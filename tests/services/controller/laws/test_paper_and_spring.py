@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from services.controller.laws import make_law
 from services.controller.laws.paper_and_spring import PaperLaw, StiffnessLaw
 from shared.spatial import pose_error
 from tests.services.controller import closed_form
 from tests.services.controller.contacts import LIMIT, agile, state
 
 sixes = st.tuples(*(st.floats(-1, 1, allow_subnormal=False),) * 6)
-absurd_numbers = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 
 
 def barrier(wrench: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -63,14 +59,6 @@ def test_active_says_which_limit_of_the_wrench_is_near(side: int) -> None:
     assert side * output.twist[1] > 0, "it moves with the force"
 
 
-def test_without_wrench_all_laws_converge_alike() -> None:
-    """The multiplier is capped at k: ``v = -min(k, lambda)/2 e``."""
-    for law in ("paper", "stiffness", "certified"):
-        law_object = make_law(agile(law=law, contact_stiffness=1.0, contact_reach=(0.01,) * 3))
-        output = law_object.step(state(position=[0.1, -0.05, 0.02], turn=[0.0, 0.0, 0.1]), 0.01)
-        assert output.twist == pytest.approx([-0.05, 0.025, -0.01, 0, 0, -0.05], abs=1e-6), law
-
-
 @settings(max_examples=50, deadline=None)
 @given(share=sixes, position=st.tuples(*(st.floats(-0.3, 0.3),) * 3))
 def test_stiffness_law_is_a_damped_spring(share: tuple, position: tuple) -> None:
@@ -89,53 +77,3 @@ def test_speeding_up_is_limited_and_slowing_down_is_not() -> None:
     speeds = [law.step(state(target=[1.0, 0, 0]), 0.01).twist[0] for _ in range(4)]
     assert np.diff([0.0, *speeds]) == pytest.approx([0.02] * 4, rel=0.05)
     assert law.step(state(), 0.01).twist[0] == pytest.approx(0.0, abs=1e-6)
-
-
-@pytest.mark.parametrize(
-    "field", ["wrench", "limit", "error_bound", "position", "target_position", "nominal"]
-)
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1e200])
-@pytest.mark.parametrize("law", ["paper", "stiffness", "certified"])
-def test_what_is_not_finite_brakes_in_the_same_tick(law: str, field: str, value: float) -> None:
-    law_object = make_law(agile(law=law))
-    spoilt = state(target=[0.3, 0, 0])
-    changed = getattr(spoilt, field).copy()
-    changed[0] = value
-    setattr(spoilt, field, changed)
-    output = law_object.step(spoilt, 0.01)
-    assert output.failure
-    assert not output.twist.any()
-    after = law_object.step(state(target=[0.3, 0, 0]), 0.01)
-    assert after.failure is None and after.twist[0] > 0
-
-
-@absurd_numbers
-@pytest.mark.parametrize("field", ["rotation", "target_rotation"])
-@pytest.mark.parametrize("law", ["paper", "stiffness", "certified"])
-def test_a_rotation_that_is_not_finite_brakes(law: str, field: str) -> None:
-    for value in (math.nan, math.inf):
-        spoilt = state(target=[0.3, 0, 0])
-        changed = getattr(spoilt, field).copy()
-        changed[1, 2] = value
-        setattr(spoilt, field, changed)
-        output = make_law(agile(law=law)).step(spoilt, 0.01)
-        assert output.failure and not output.twist.any()
-
-
-def test_dt_that_is_no_duration_is_no_time() -> None:
-    for dt in (math.nan, math.inf, -1.0):
-        output = make_law(agile()).step(state(target=[0.3, 0, 0]), dt)
-        assert np.isfinite(output.twist).all()
-
-
-@pytest.mark.parametrize("law", ["paper", "stiffness", "certified"])
-@pytest.mark.parametrize("away", [0.0, 1e-15, 1e-12, 1e-10, 1e-8, 1.1e-7, 1e-6])
-def test_at_the_target_the_solver_finds_that_there_is_nothing_to_do(law: str, away: float) -> None:
-    """A pose error that rounding leaves would give the Lyapunov row a multiplier below every tolerance."""
-    law_object = make_law(agile(law=law))
-    for wrench in ([0.0] * 6, [3.0, 0.0, 0.0, 0.0, 0.0, 0.0]):
-        for _ in range(3):
-            output = law_object.step(state(wrench=wrench, position=[away, 0.0, 0.0]), 0.01)
-            assert output.failure is None
-            if law != "stiffness":  # a spring gives way to any wrench
-                assert np.abs(output.twist).max() <= 2.0 * away + 1e-6
