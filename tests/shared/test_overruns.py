@@ -68,6 +68,18 @@ def test_a_burst_that_the_network_delivers_at_once_is_no_overrun() -> None:
     assert loop.runner.timing.overruns == 0
 
 
+def test_a_sample_that_waited_for_the_work_before_counts_that_work_as_its_own_delay() -> None:
+    loop = BusyLoop()
+    loop.working()
+    loop.cost = 0.062
+    loop.run(1)
+    loop.cost = 0.0
+    for age in (0.05, 0.04, 0.03, 0.02, 0.01, 0.0):
+        loop.deliver(age)
+    loop.runner.poll(behind=True)
+    assert loop.service.calls == ["step", "brake overrun"]
+
+
 def test_a_sample_accepted_while_the_loop_reads_is_no_overrun() -> None:
     loop = BusyLoop()
     loop.working()

@@ -6,8 +6,9 @@ import math
 import threading
 import time
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Callable, Iterable
-from typing import Self, TypeVar
+from typing import Any, Self, TypeVar
 
 import msgpack
 
@@ -19,30 +20,65 @@ from tests.support.spoilt_bus import SpoiltBus
 
 M = TypeVar("M", bound=Record)
 PERIOD = 0.01
-Spoil = Callable[[bytes], bytes | None]
-"""What is sent in place of a payload; None sends nothing."""
+Spoil = Callable[[bytes], Iterable[bytes]]
+"""What is sent in place of a payload."""
+HEADER = ("seq", "session", "stamp", "valid")
 
 
-def silently(payload: bytes) -> None:
-    return None
+def silently(_payload: bytes) -> tuple[()]:
+    return ()
 
 
 def changed(**fields: object) -> Spoil:
     """Replaces fields of a map."""
-    return lambda payload: msgpack.packb({**msgpack.unpackb(payload), **fields})
+    return lambda payload: (msgpack.packb({**msgpack.unpackb(payload), **fields}),)
 
 
-SPOILT_WRENCHES: dict[str, Spoil] = {
-    "NaN": changed(force=[math.nan, 0.0, 0.0]),
-    "infinity": changed(error_bound=[math.inf] * 6),
-    "text": changed(torque="much"),
-    "too short": changed(force=[1.0]),
-    "no header": changed(seq=None),
-    "garbage": lambda payload: bytes(reversed(payload)),
-    "empty": lambda payload: b"",
-    "megabyte": lambda payload: payload + bytes(1_000_000),
-}
-"""Payloads of ``wrench/external`` that have to be rejected."""
+def late(delay: float) -> Spoil:
+    """Holds every payload back for so long [s]."""
+    held: deque[tuple[float, bytes]] = deque()
+
+    def spoil(payload: bytes) -> Iterable[bytes]:
+        now = time.monotonic()
+        held.append((now + delay, payload))
+        while held[0][0] <= now:
+            yield held.popleft()[1]
+
+    return spoil
+
+
+def _wrong(name: str, value: Any) -> Iterable[Any]:
+    """Values that a field must not have, given one that it may have."""
+    match value:
+        case bool():
+            yield from (1, "yes")
+        case str() | bytes():
+            yield 5
+        case list() if name == "orientation":
+            yield from ([math.nan, *value[1:]], value[:-1], [0.0] * 4)
+        case list():
+            yield from ([math.nan, *value[1:]], [*value[:-1], -math.inf], [*value, "much"], "much", None)
+            if len(value) > 1:
+                yield from (value[:-1], [*value, 0.0])
+        case float():
+            yield from (math.nan, math.inf, "much")
+        case _:
+            yield "much"
+
+
+def every_spoilt(payload: bytes) -> list[bytes]:
+    """A sound payload in every way spoilt that a receiver has to reject: none of them is a message."""
+    content = msgpack.unpackb(payload)
+    maps = [
+        {**content, name: wrong}
+        for name, value in content.items()
+        if name not in HEADER
+        for wrong in _wrong(name, value)
+    ]
+    first = next(name for name in content if name not in HEADER)
+    maps += [{name: content[name] for name in content if name != missing} for missing in ("seq", first)]
+    broken = (b"", bytes(reversed(payload)), msgpack.packb([1, 2, 3]), payload + bytes(1_000_000))
+    return [*map(msgpack.packb, maps), *broken]
 
 
 class StandIn(ABC):
@@ -56,6 +92,7 @@ class StandIn(ABC):
     Attributes:
         health: of the service, as it says.
         spoil: by key, what is sent in place of a message.
+        sent: by key, the newest sound payload.
         turns: number of turns so far.
         lateness: greatest delay of a turn [s]; a test may set it back.
     """
@@ -66,6 +103,7 @@ class StandIn(ABC):
         self.client = Client(self.bus)
         self.health = self.client.watch(health_topic(service))
         self.spoil: dict[str, Spoil] = {}
+        self.sent: dict[str, bytes] = {}
         self.turns = 0
         self.lateness = 0.0
         self._period = period
@@ -109,6 +147,6 @@ class StandIn(ABC):
             due = max(due + self._period, time.monotonic())
 
     def _spoilt(self, key: str, payload: bytes) -> Iterable[bytes]:
+        self.sent[key] = payload
         spoil = self.spoil.get(key)
-        sent = spoil(payload) if spoil else payload
-        return () if sent is None else (sent,)
+        return spoil(payload) if spoil else (payload,)

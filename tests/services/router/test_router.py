@@ -1,8 +1,7 @@
-"""The router as users start it."""
+"""The router as users start it: what it alone keeps. What all processes keep is in ``tests/promises``."""
 
 from __future__ import annotations
 
-import signal
 from pathlib import Path
 
 import pytest
@@ -42,39 +41,11 @@ def test_shows_who_is_alive_and_who_left(router: Router) -> None:
         watcher.close()
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_ends_within_two_seconds_of_a_signal_with_clients_connected(
-    router: Router, number: signal.Signals
-) -> None:
-    client = ZenohBus(connect=router.endpoint)
-    try:
-        router.process.ends_in_time(number)
-    finally:
-        client.close()
-
-
 def test_taken_port_is_one_line_that_names_port_and_remedy(router: Router, start: StartProcess) -> None:
     second = start("services.router", "--listen", router.endpoint)
     other = router.endpoint.rsplit(":", 1)[0] + ":" + str(int(router.endpoint.rsplit(":", 1)[1]) + 1)
     second.refuses(router.endpoint, "taken", f"--listen {other}", f"--connect {other}")
     assert router.process.running
-
-
-@pytest.mark.parametrize(
-    "endpoint", ["7447", "127.0.0.1:7447", "tcp/127.0.0.1", "tcp/127.0.0.1:0", "tcp/127.0.0.1:70000"]
-)
-def test_bad_endpoint_is_one_line_with_status_2(start: StartProcess, endpoint: str) -> None:
-    start("services.router", "--listen", endpoint).refuses("--listen", endpoint, "tcp/127.0.0.1:7447")
-
-
-@pytest.mark.parametrize("content", [None, '{ mode: "rou', "{ no_such_key: 1 }"])
-def test_bad_configuration_file_is_one_line_with_status_2(
-    start: StartProcess, tmp_path: Path, content: str | None
-) -> None:
-    path = tmp_path / "router.json5"
-    if content is not None:
-        path.write_text(content)
-    start("services.router", "--config", str(path)).refuses(str(path))
 
 
 def test_configuration_file_decides(start: StartProcess, tmp_path: Path) -> None:

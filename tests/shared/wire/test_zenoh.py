@@ -101,6 +101,28 @@ def test_what_is_left_is_wanted_no_more_and_may_be_subscribed_to_again(pair: Pai
     assert pair.through()
 
 
+def test_what_arrives_during_the_work_is_handed_over_first_and_worked_on_once(pair: Pair) -> None:
+    sender, receiver = pair.one, pair.two
+    heard: list[bytes] = []
+    works: list[tuple[bool, bytes]] = []
+    go_on = threading.Event()
+
+    def work(behind: bool) -> None:
+        works.append((behind, heard[-1]))
+        go_on.wait(10.0)
+
+    receiver.subscribe("stop", heard.append, work)
+    eventually(lambda: sender.publish("stop", b"first") or works, message="the first work")
+    passed: list[bytes] = []
+    sender.subscribe("stop", passed.append)
+    eventually(lambda: sender.publish("stop", b"probe") or b"probe" in passed)
+    eventually(lambda: sender.publish("stop", b"newest") or b"newest" in passed)
+    assert len(works) == 1
+    go_on.set()
+    eventually(lambda: len(works) > 1 and works[-1][1] == b"newest", message="work on the newest payload")
+    assert works[1][0] and heard.index(b"probe") < heard.index(b"newest"), works
+
+
 def test_queries_are_answered_at_once_or_later_from_any_thread(pair: Pair) -> None:
     pair.two.serve("wrench/tare", lambda request, reply: reply(request * 2))
     pair.two.serve(
