@@ -32,7 +32,7 @@ def _launch(start: StartProcess, subject: Subject, endpoint: str, folder: Path) 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Those that a subject lives through come one after the other: it is started once for all of them."""
-    places = [place for place, item in enumerate(items) if "around" in getattr(item, "fixturenames", ())]
+    places = [place for place, item in enumerate(items) if "stage" in getattr(item, "fixturenames", ())]
     lived_through = (items[place] for place in places)
     together = sorted(lived_through, key=lambda item: SUBJECTS.index(item.callspec.params["subject"]))
     for place, item in zip(places, together, strict=True):
