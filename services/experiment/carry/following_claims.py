@@ -7,7 +7,7 @@ person at the other end as it can be pushed and pulled: 3 Nm at the tool are 2.5
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 
 from services.experiment.carry.following import Followed
 from services.experiment.measure.claim import Row
@@ -18,117 +18,54 @@ ACROSS = {"omni": 0.5, "differential": 0.2}  # shares of what is wanted
 LAG, BASE_LAG = 0.33, 1.0  # [s]
 REACTS = 0.4  # [s]
 
-Shown = Callable[[float], str]
+FOLLOWING = {
+    "far end gets where it is wanted": "the far end gets where the person wants it: push, pull, side to side",
+    "turns where it is wanted": "the far end turns where the person wants it: twist and turn",
+    "robot's end follows push and pull": "the robot's end goes where the person wants the panel: push and pull",
+    "robot's end follows the turns": "the robot's end turns as the person wants the panel turned: twist and turn",
+    "robot's end keeps up": "the robot's end keeps up with the person's wish: push, pull, twist and turn, half-way",
+    "base goes along": "the base goes along with push and pull, further than the arm could do without it",
+    "base keeps up": "the base keeps up with the person's wish: push and pull, half-way",
+    "comes along sideways": "the robot's end comes along sideways, as far as torque at the far end can bring it",
+    "reacts to push and pull": "moves soon after the person's hands feel that they push or pull",
+}
+
+Figures = Sequence[tuple[Followed, float]]
+"""Movements, each with a figure of it."""
 
 
-def follows(base: str, followed: Sequence[Followed]) -> list[Row]:
+def follows(base: str, followed: Sequence[Followed]) -> Iterator[Row]:
     """All of them for a run with a base, or "none"."""
     along, across, rolls = (
-        [one for one in followed if one.way == kind] for kind in ("along", "across", "roll")
+        [one for one in followed if one.way == way] for way in ("along", "across", "roll")
     )
-    rows = [
-        _gets_there(
-            "far end gets where it is wanted",
-            "the far end gets where the person wants it: push, pull, side to side",
-            [(one, one.far) for one in (*along, *across)],
-            MISSES,
-            _millimetres,
-        ),
-        _gets_there(
-            "turns where it is wanted",
-            "the far end turns where the person wants it: twist and turn",
-            [(one, one.far) for one in rolls],
-            MISSES_TURN,
-            _degrees,
-        ),
-        _gets_there(
-            "robot's end follows push and pull",
-            "the robot's end goes where the person wants the panel: push and pull",
-            [(one, one.near) for one in along],
-            MISSES,
-            _millimetres,
-        ),
-        _gets_there(
-            "robot's end follows the turns",
-            "the robot's end turns as the person wants the panel turned: twist and turn",
-            [(one, one.near) for one in rolls],
-            MISSES_TURN,
-            _degrees,
-        ),
-        _soon(
-            "robot's end keeps up",
-            "the robot's end keeps up with the person's wish: push, pull, twist and turn, half-way",
-            [(one, one.lag) for one in (*along, *rolls)],
-            LAG,
-        ),
-    ]
+    far, near = [(one, one.far) for one in (*along, *across)], [(one, one.near) for one in along]
+    yield _gets_there("far end gets where it is wanted", far, MISSES)
+    yield _gets_there("turns where it is wanted", [(one, one.far) for one in rolls], MISSES_TURN)
+    yield _gets_there("robot's end follows push and pull", near, MISSES)
+    yield _gets_there("robot's end follows the turns", [(one, one.near) for one in rolls], MISSES_TURN)
+    yield _soon("robot's end keeps up", [(one, one.lag) for one in (*along, *rolls)], LAG)
     if base in ACROSS:
-        rows += [
-            _gets_there(
-                "base goes along",
-                "the base goes along with push and pull, further than the arm could do without it",
-                [(one, one.base) for one in along],
-                ARM,
-                _millimetres,
-            ),
-            _soon(
-                "base keeps up",
-                "the base keeps up with the person's wish: push and pull, half-way",
-                [(one, one.base_lag) for one in along],
-                BASE_LAG,
-            ),
-            _sideways(across, ACROSS[base]),
-        ]
-    rows.append(
-        _soon(
-            "reacts to push and pull",
-            "moves soon after the person's hands feel that they push or pull",
-            [(one, one.reaction) for one in along],
-            REACTS,
-        )
-    )
-    return rows
+        yield _gets_there("base goes along", [(one, one.base) for one in along], ARM)
+        yield _soon("base keeps up", [(one, one.base_lag) for one in along], BASE_LAG)
+        worst, least = min(across, key=lambda one: one.near), ACROSS[base]
+        way = f"{100 * worst.near:.0f} % of the way wanted ({worst.name})"
+        yield "comes along sideways", way, f"at least {100 * least:.0f} %", worst.near >= least
+    yield _soon("reacts to push and pull", [(one, one.reaction) for one in along], REACTS)
 
 
-def _millimetres(value: float) -> str:
-    return f"{1e3 * value:.0f} mm"
-
-
-def _degrees(value: float) -> str:
-    return f"{math.degrees(value):.1f}°"
-
-
-def _gets_there(
-    short: str, text: str, shares: Sequence[tuple[Followed, float]], within: float, shown: Shown
-) -> Row:
+def _gets_there(short: str, shares: Figures, within: float) -> Row:
+    """Of the shares of the ways, the one that lacks most."""
     worst, share = max(shares, key=lambda one: one[0].short(one[1]))
     missing = worst.short(share)
-    return (
-        short,
-        text,
-        f"{shown(missing)} off, {100 * share:.0f} % ({worst.name})",
-        f"within {shown(within)}",
-        missing <= within,
+    lacks, allowed = (
+        f"{math.degrees(value):.1f}°" if worst.way == "roll" else f"{1e3 * value:.0f} mm"
+        for value in (missing, within)
     )
+    return short, f"{lacks} off, {100 * share:.0f} % ({worst.name})", f"within {allowed}", missing <= within
 
 
-def _soon(short: str, text: str, times: Sequence[tuple[Followed, float]], within: float) -> Row:
+def _soon(short: str, times: Figures, within: float) -> Row:
     worst, time = max(times, key=lambda one: one[1] if math.isfinite(one[1]) else math.inf)
-    return (
-        short,
-        text,
-        f"{time:.2f} s ({worst.name})" if math.isfinite(time) else f"not at all ({worst.name})",
-        f"at most {within:g} s",
-        time <= within,
-    )
-
-
-def _sideways(across: Sequence[Followed], least: float) -> Row:
-    worst = min(across, key=lambda one: one.near)
-    return (
-        "comes along sideways",
-        "the robot's end comes along sideways, as far as torque at the far end can bring it",
-        f"{100 * worst.near:.0f} % of the way wanted ({worst.name})",
-        f"at least {100 * least:.0f} %",
-        worst.near >= least,
-    )
+    when = f"{time:.2f} s ({worst.name})" if math.isfinite(time) else f"not at all ({worst.name})"
+    return short, when, f"at most {within:g} s", time <= within

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-Row = tuple[str, str, str, str, bool]
-"""What a claim says beside the run's name: short, text, figure, limit, passed."""
+Row = tuple[str, str, str, bool]
+"""What was found of a claim: short, figure, limit, passed."""
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,9 @@ class Claim:
     passed: bool
 
     @classmethod
-    def of(cls, run: str, rows: Iterable[Row]) -> list[Claim]:
-        """The claims about a run."""
-        return [cls(run, *row) for row in rows]
+    def of(cls, run: str, rows: Iterable[Row], texts: Mapping[str, str]) -> list[Claim]:
+        """The claims about a run; `texts` says each short one at length."""
+        return [cls(run, short, texts[short], figure, limit, passed) for short, figure, limit, passed in rows]
 
 
 @dataclass(frozen=True)
