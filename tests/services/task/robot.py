@@ -9,28 +9,9 @@ import numpy as np
 
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
-from shared.messages import (
-    CameraImage,
-    ControlStatus,
-    EndEffector,
-    ExternalWrench,
-    RobotStatus,
-)
+from shared import topics
+from shared.messages import CameraImage, ControlStatus, EndEffector, ExternalWrench, RobotStatus
 from shared.schema.records import Record
-from shared.topics import (
-    BASE_ENABLE,
-    COMMAND_GRIPPER,
-    COMMAND_HEAD,
-    CONTROL_STATUS,
-    CONTROL_TARGET,
-    SENSOR_CAMERA,
-    STATE_EE,
-    STATE_GRIPPER,
-    STATE_ROBOT,
-    TASK_STATUS,
-    WRENCH_EXTERNAL,
-    Topic,
-)
 from shared.wire.subscription import Received
 from tests.services.task.scene import Camera, Light, Print, message, render
 from tests.services.task.toy import MARKER, Toy
@@ -57,7 +38,13 @@ class Robot:
         received: every message of each key that the task publishes.
     """
 
-    OUTPUTS = (CONTROL_TARGET, BASE_ENABLE, COMMAND_GRIPPER, COMMAND_HEAD, TASK_STATUS)
+    OUTPUTS = (
+        topics.CONTROL_TARGET,
+        topics.BASE_ENABLE,
+        topics.COMMAND_GRIPPER,
+        topics.COMMAND_HEAD,
+        topics.TASK_STATUS,
+    )
 
     def __init__(self, watch: Callable[..., Any], parameters: TaskParameters | None = None) -> None:
         self.toy = Toy(parameters)
@@ -78,45 +65,45 @@ class Robot:
         for topic in self.OUTPUTS:
             watch(topic, self.received[topic.key].append)
 
-    def last(self, topic: Topic) -> Any:
+    def last(self, topic: topics.Topic) -> Any:
         """The newest message of a topic, None before the first."""
         return next((received.message for received in self.received[topic.key][-1:]), None)
 
     @property
     def state(self) -> str:
         """Of the task, as it says."""
-        status = self.last(TASK_STATUS)
+        status = self.last(topics.TASK_STATUS)
         return status.state if status else ""
 
     @property
     def reason(self) -> str:
         """Of the task, as it says."""
-        status = self.last(TASK_STATUS)
+        status = self.last(topics.TASK_STATUS)
         return status.reason if status else ""
 
-    def tick(self, number: int) -> list[tuple[Topic, Record, bool]]:
+    def tick(self, number: int) -> list[tuple[topics.Topic, Record, bool]]:
         """Move for one tick of 10 ms; topic, message and validity of what is to be published."""
         self._obey()
         toy = self.toy
         toy.advance(TICK)
         wrench = toy.wrench
-        messages: list[tuple[Topic, Record, bool]] = [(STATE_EE, self._tool(), True)]
+        messages: list[tuple[topics.Topic, Record, bool]] = [(topics.STATE_EE, self._tool(), True)]
         if number % self.every == 0:
             felt = ExternalWrench(
                 wrench[:3], wrench[3:], np.full(6, 0.2), self.compensation, self.wrench_fault
             )
-            messages.append((WRENCH_EXTERNAL, felt, not self.wrench_fault))
-            messages.append((CONTROL_STATUS, self._status(), True))
+            messages.append((topics.WRENCH_EXTERNAL, felt, not self.wrench_fault))
+            messages.append((topics.CONTROL_STATUS, self._status(), True))
         if number % 5 == 0:
             gripper = toy.gripper.replaced(holding=False) if self.denies else toy.gripper
-            messages.append((STATE_GRIPPER, gripper, True))
+            messages.append((topics.STATE_GRIPPER, gripper, True))
         if number % 20 == 0:
             robot = RobotStatus(self.mode, "", "omni", True, 0.3, 1.0, np.array((0.5, 0.5, 0.5)))
-            messages.append((STATE_ROBOT, robot, True))
+            messages.append((topics.STATE_ROBOT, robot, True))
         if number % 10 == 0:
             if self._sent is None or not self.frozen:
                 self._sent = self._another(self._image())
-            messages.append((SENSOR_CAMERA, self._sent, self.valid))
+            messages.append((topics.SENSOR_CAMERA, self._sent, self.valid))
         return [item for item in messages if item[0].key not in self.muted]
 
     def show(self, marker: Pose) -> None:
@@ -130,7 +117,7 @@ class Robot:
         if self.state != "carrying":
             return
         toy.lifted = True
-        status = self.last(TASK_STATUS)
+        status = self.last(topics.TASK_STATUS)
         if abs(status.rotation) > 1.5:
             toy.roll_rate, toy.far_height = 0.0, toy.stands
         elif "carrying;" in status.reason:
@@ -138,9 +125,9 @@ class Robot:
 
     def _obey(self) -> None:
         # As a controller does: a target that is marked invalid is none.
-        targets = (received for received in reversed(self.received[CONTROL_TARGET.key]))
+        targets = (received for received in reversed(self.received[topics.CONTROL_TARGET.key]))
         target = next((received.message for received in targets if received.header.valid), None)
-        grip = self.last(COMMAND_GRIPPER)
+        grip = self.last(topics.COMMAND_GRIPPER)
         moves = target is not None and not self.braking and not self.wrench_fault
         self.toy.target = Pose.of(target.position, target.orientation) if moves else None
         if grip is not None:
