@@ -11,7 +11,6 @@ import signal
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -36,7 +35,7 @@ from tests.faults.programs import (
     stuck_sensor,
 )
 from tests.support.ports import free_endpoint
-from tests.support.processes import Process
+from tests.support.processes import Process, Processes
 from tests.support.spoilt_bus import Spoil
 
 COMMAND = "python -m benchmarks.faults"
@@ -48,34 +47,22 @@ LATEST_GATE = 0.01
 class Stack:
     """Router, wrench and controller as processes, and a robot in this one."""
 
-    def __init__(self, processes: ExitStack) -> None:
-        self._processes = processes
-        self._folder = Path(processes.enter_context(tempfile.TemporaryDirectory()))
-        self._count = 0
+    def __init__(self, processes: Processes, state: str) -> None:
+        self._processes, self._state = processes, state
         self.endpoint = free_endpoint()
-        self.router = self.start_router()
+        self.router = self.start("router")
         self.wrench, self.controller = self.start("wrench"), self.start("controller")
         self.robot = FaultRobot(self.endpoint)
         processes.callback(self.robot.close)
         self.client = Client(self.robot.bus)
         wait(self._tared)
 
-    def start(self, service: str) -> Process:
-        """A service process with its defaults."""
-        return self._process(service, "--connect")
-
-    def start_router(self) -> Process:
-        """A router in the place of one that is no more."""
-        router = self._process("router", "--listen")
-        router.wait_for_output("listening")
-        return router
-
-    def _process(self, service: str, option: str) -> Process:
-        self._count += 1
-        output = self._folder / f"{self._count}-{service}.log"
-        environment = {"XDG_STATE_HOME": str(self._folder)}
-        process = Process(f"services.{service}", (option, self.endpoint), output, environment)
-        return self._processes.enter_context(process)
+    def start(self, name: str) -> Process:
+        """A process with its defaults, in the place of one that is no more."""
+        if name == "router":
+            return self._processes.router(self.endpoint)
+        environment = {"XDG_STATE_HOME": self._state}
+        return self._processes.start(f"services.{name}", "--connect", self.endpoint, environment=environment)
 
     def _tared(self) -> bool:
         try:
@@ -180,7 +167,7 @@ def _signal(name: str, number: signal.Signals) -> Callable[[Stack], int]:
 def _restart(name: str) -> Callable[[Stack], None]:
     def mend(stack: Stack) -> None:
         getattr(stack, name).wait()
-        setattr(stack, name, stack.start_router() if name == "router" else stack.start(name))
+        setattr(stack, name, stack.start(name))
 
     return mend
 
@@ -215,8 +202,8 @@ def _faults() -> list[Fault]:
 
 def measured(repeats: int) -> Iterator[Fault]:
     """Every fault, injected so many times; each as soon as it is measured."""
-    with ExitStack() as processes:
-        stack = Stack(processes)
+    with tempfile.TemporaryDirectory() as folder, Processes(Path(folder)) as processes:
+        stack = Stack(processes, folder)
         for fault in _faults():
             while len(fault.braked) < repeats and fault.discarded < 10 * repeats:
                 fault.measure(stack)

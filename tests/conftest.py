@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from tests.support.ports import free_endpoint
-from tests.support.processes import Process
+from tests.support.processes import Process, Processes
 
 # No property depends on how fast the machine is that checks it.
 settings.register_profile("any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -31,14 +30,8 @@ class Router:
 
 @contextmanager
 def _processes(folder: Path) -> Iterator[StartProcess]:
-    numbers = itertools.count()
-    with ExitStack() as processes:
-
-        def start_process(module: str, *arguments: str, environment: dict[str, str] | None = None) -> Process:
-            output = folder / f"{next(numbers)}-{module}.log"
-            return processes.enter_context(Process(module, arguments, output, environment))
-
-        yield start_process
+    with Processes(folder) as processes:
+        yield processes.start
 
 
 def _router(start_process: StartProcess) -> Router:

@@ -27,7 +27,7 @@ from benchmarks.contact.sampling import draw
 from shared.wire.client import Client
 from shared.wire.zenoh import ZenohBus
 from tests.support.ports import free_endpoint
-from tests.support.processes import Process
+from tests.support.processes import Processes
 
 _RATE = 100.0
 _PERIOD, _DELAY = 0.04, 0.06
@@ -69,27 +69,19 @@ def live_case(seed: int, group: str, number: int) -> Case:
     )
 
 
-def run_case(robot: LiveRobot, endpoint: str, folder: Path, case: Case, form: str) -> Measured:
+def run_case(robot: LiveRobot, processes: Processes, endpoint: str, case: Case, form: str) -> Measured:
     """A controller process of its own for one case."""
-    with Process(
-        "services.controller", _arguments(case, form, endpoint), folder / "controller.log"
-    ) as controller:
+    with processes.start("services.controller", *_arguments(case, form, endpoint)) as controller:
         measured = robot.play(case, _PATIENCE)
         if not controller.running:
             raise RuntimeError(f"the controller ended by itself:\n{controller.output}")
-        controller.stop()
     return measured
 
 
 def _arguments(case: Case, form: str, endpoint: str) -> list[str]:
-    given = parameters(form, case).model_dump(exclude_defaults=True)
     arguments = ["--connect", endpoint]
-    for name, value in given.items():
-        text = (
-            f'"{value}"'
-            if isinstance(value, str)
-            else str(list(value) if isinstance(value, tuple) else value)
-        )
+    for name, value in parameters(form, case).model_dump(exclude_defaults=True).items():
+        text = f'"{value}"' if isinstance(value, str) else list(value) if isinstance(value, tuple) else value
         arguments += ["--set", f"{name}={text}"]
     return arguments
 
@@ -110,22 +102,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     endpoint = free_endpoint()
     noise = [f"noise_bound={_ERROR.tolist()}", f"bias_bound={[0.0] * 6}", "tool_mass=0.0"]
     sets = [word for setting in noise for word in ("--set", setting)]
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        with Process("services.router", ["--listen", endpoint], folder / "router.log") as router:
-            router.wait_for_output(endpoint)
-            with Process("services.wrench", ["--connect", endpoint, *sets], folder / "wrench.log"):
-                bus = ZenohBus(connect=endpoint)
-                robot = LiveRobot(Client(bus), _RATE)
-                for index in range(options.cases):
-                    group, form = _GROUPS[index // 2 % 2], _FORMS[index % 2]
-                    case = live_case(options.seed, group, index // 4)
-                    measured = run_case(robot, endpoint, folder, case, form)
-                    outcomes.append(Outcome(group, index // 4, form, measured))
-                    print(
-                        f"{index + 1}/{options.cases} {group} {form}: {outcomes[-1].verdict}", file=sys.stderr
-                    )
-                bus.close()
+    with tempfile.TemporaryDirectory() as folder, Processes(Path(folder)) as processes:
+        processes.router(endpoint)
+        processes.start("services.wrench", "--connect", endpoint, *sets)
+        bus = ZenohBus(connect=endpoint)
+        robot = LiveRobot(Client(bus), _RATE)
+        for index in range(options.cases):
+            group, form = _GROUPS[index // 2 % 2], _FORMS[index % 2]
+            case = live_case(options.seed, group, index // 4)
+            measured = run_case(robot, processes, endpoint, case, form)
+            outcomes.append(Outcome(group, index // 4, form, measured))
+            print(f"{index + 1}/{options.cases} {group} {form}: {outcomes[-1].verdict}", file=sys.stderr)
+        bus.close()
     _show(console, outcomes)
     _write(options.out, outcomes)
     return _status(console, outcomes)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from signal import SIGTERM
 from types import TracebackType
@@ -28,21 +30,23 @@ class Process:
         arguments: Sequence[str],
         output: Path,
         environment: dict[str, str] | None = None,
+        python: str = sys.executable,
     ) -> None:
         """Starts the process.
 
         Args:
-            module: such as ``services.wrench``.
+            module: such as ``services.wrench``, or the absolute path of a script.
             arguments: its command line.
             output: the file that standard output and standard error go to.
             environment: added to this process' environment, from which TANDEM_* is removed.
+            python: the interpreter.
         """
         inherited = {name: value for name, value in os.environ.items() if not name.startswith("TANDEM_")}
         self.module = module
         self._output = output
         with output.open("wb") as sink:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", module, *arguments],
+                [python, *([] if module.startswith("/") else ["-m"]), module, *arguments],
                 cwd=ROOT,
                 env={**inherited, "PYTHONUNBUFFERED": "1", **(environment or {})},
                 stdin=subprocess.DEVNULL,
@@ -127,3 +131,29 @@ class Process:
     ) -> None:
         """Ends the process whatever happened."""
         self.stop()
+
+
+class Processes(ExitStack):
+    """Processes that end together, newest first; each writes to a file of its own in one folder."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__()
+        self._folder = folder
+        self._numbers = itertools.count()
+
+    def start(
+        self,
+        module: str,
+        *arguments: str,
+        environment: dict[str, str] | None = None,
+        python: str = sys.executable,
+    ) -> Process:
+        """Starts ``python -m module arguments...``."""
+        output = self._folder / f"{next(self._numbers)}-{Path(module).name}.log"
+        return self.enter_context(Process(module, arguments, output, environment, python))
+
+    def router(self, endpoint: str) -> Process:
+        """Starts a router and waits until it listens on an endpoint."""
+        router = self.start("services.router", "--listen", endpoint)
+        router.wait_for_output(endpoint)
+        return router
