@@ -28,10 +28,7 @@ HEARD = (
     "base/enable",
     "task/status",
     "stop",
-    "health/wrench",
-    "health/controller",
-    "health/base",
-    "health/task",
+    *(f"health/{service}" for service in ("wrench", "controller", "base", "task")),
 )
 
 
@@ -74,19 +71,19 @@ class _Replay:
         given = {event.key for event in events if not event.asked}
         for key in HEARD:
             if key not in given:
-                product.hear(key, self._listener(key))
+                product.bus.subscribe(key, self._listener(key))
         for event in events:
-            product.at(event.time, partial(self._put, event))
+            product.scheduler.at(event.time, partial(self._put, event))
         for time, service in case.restarts:
-            product.at(time, partial(product.start, service))
-        product.run_until(round(case.end * 1e9))
+            product.scheduler.at(time, partial(product.start, service))
+        product.scheduler.run_until(round(case.end * 1e9))
         return self._answers
 
     def _put(self, event: Event) -> None:
         payload = msgpack.packb(event.content)
         if not event.asked:
-            self._product.publish(event.key, payload)
-        elif not self._product.ask(event.key, payload, self._listener(f"reply {event.key}")):
+            self._product.bus.publish(event.key, payload)
+        elif not self._product.bus.query_later(event.key, payload, self._listener(f"reply {event.key}")):
             raise LookupError(f"{self._case.name}: nobody serves {event.key}")
 
     def _listener(self, key: str) -> Callable[[bytes], None]:

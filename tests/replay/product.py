@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -30,10 +30,15 @@ class Product:
     Args:
         settings: parameters of each service that runs, in the order in which they start.
         folder: where the services keep what outlives them.
+
+    Attributes:
+        bus: of bytes: ``publish``, ``subscribe``, and ``query_later``, which is false if nobody serves a query.
+        scheduler: ``at(time, action)`` and ``run_until(time)``, times in simulated [ns].
     """
 
     def __init__(self, settings: Mapping[str, Mapping[str, Any]], folder: Path) -> None:
         self._stack = Stack(LATENCY)
+        self.bus, self.scheduler = self._stack.bus, self._stack.scheduler
         self._settings = settings
         self._folder = folder
         self._runners: dict[str, Runner] = {}
@@ -47,37 +52,18 @@ class Product:
         self._runners[name] = self._stack.add(self._service(name, self._settings[name]))
 
     def _service(self, name: str, settings: Mapping[str, Any]) -> Service:
-        if name == "wrench":
-            return Wrench(WrenchParameters.of(settings), self._folder)
-        if name == "controller":
-            return Controller(ControllerParameters.of(settings))
-        if name == "base":
-            return Base(BaseParameters.of(settings))
-        if name == "task":
-            return Task(TaskParameters.of(settings), lambda: self.now * 1e-9, self._folder)
+        match name:
+            case "wrench":
+                return Wrench(WrenchParameters.of(settings), self._folder)
+            case "controller":
+                return Controller(ControllerParameters.of(settings))
+            case "base":
+                return Base(BaseParameters.of(settings))
+            case "task":
+                return Task(TaskParameters.of(settings), lambda: self.now * 1e-9, self._folder)
         raise ValueError(f"there is no service {name!r} to replay")
 
     @property
     def now(self) -> int:
         """Simulated time [ns]."""
-        return self._stack.scheduler.clock.now_ns()
-
-    def at(self, time: int, action: Callable[[], None]) -> None:
-        """Have something done at a simulated time [ns]."""
-        self._stack.scheduler.at(time, action)
-
-    def run_until(self, time: int) -> None:
-        """Let simulated time pass [ns]."""
-        self._stack.scheduler.run_until(time)
-
-    def publish(self, key: str, payload: bytes) -> None:
-        """Put a message on the bus."""
-        self._stack.bus.publish(key, payload)
-
-    def hear(self, key: str, on_payload: Callable[[bytes], None]) -> None:
-        """Have every message under a key handed over."""
-        self._stack.bus.subscribe(key, on_payload)
-
-    def ask(self, key: str, payload: bytes, on_reply: Callable[[bytes], None]) -> bool:
-        """Send a query; false if nobody serves it."""
-        return self._stack.bus.query_later(key, payload, on_reply)
+        return self.scheduler.clock.now_ns()
