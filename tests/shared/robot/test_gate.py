@@ -15,6 +15,7 @@ from shared.robot.gate import LONGEST_TTL, SILENCE, Gate, GateLimits
 
 LIMITS = GateLimits(0.25, 0.5, 1.0, 2.0)
 DT = 0.002
+FORWARDS = (0.1, 0.0, 0.0)
 ROUNDING = 1e-9
 
 anything = (
@@ -51,13 +52,24 @@ events = st.lists(
 )
 
 
+def ask(
+    gate: Gate, linear: tuple[float, ...], angular: tuple[float, ...] = (0, 0, 0), ttl: float = 0.1
+) -> None:
+    gate.command(np.array(linear, float), np.array(angular, float), ttl, age=0.0)
+
+
 def gate_with(linear: tuple[float, ...], angular: tuple[float, ...] = (0, 0, 0), ttl: float = 0.1) -> Gate:
     gate = Gate(LIMITS)
-    gate.command(np.array(linear, float), np.array(angular, float), ttl, age=0.0)
+    ask(gate, linear, angular, ttl)
     return gate
 
 
-@settings(max_examples=400, deadline=None)
+def run(gate: Gate, steps: int) -> np.ndarray:
+    """The last twist."""
+    return [gate.advance(DT) for _ in range(steps)][-1]
+
+
+@settings(max_examples=400)
 @given(events)
 def test_for_any_sequence_the_executed_twist_is_within_every_limit(
     sequence: list[Command | float | bool],
@@ -88,7 +100,7 @@ def test_for_any_sequence_the_executed_twist_is_within_every_limit(
         before = twist
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(commands(anything), st.lists(st.floats(1e-4, 0.05), min_size=1, max_size=60))
 def test_nothing_moves_after_the_ttl(command: Command, steps: list[float]) -> None:
     gate = Gate(LIMITS)
@@ -102,7 +114,7 @@ def test_nothing_moves_after_the_ttl(command: Command, steps: list[float]) -> No
         passed += dt
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.floats(1e-3, LONGEST_TTL), st.lists(st.floats(1e-4, 0.05), min_size=1, max_size=60))
 def test_a_command_travels_no_further_than_its_ttl_allows(ttl: float, steps: list[float]) -> None:
     gate = gate_with((0.1, 0.0, 0.0), ttl=ttl)
@@ -110,7 +122,7 @@ def test_a_command_travels_no_further_than_its_ttl_allows(ttl: float, steps: lis
     assert travelled <= 0.1 * ttl * (1.0 + ROUNDING) + ROUNDING
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(commands(ordinary), st.integers(1, 40))
 def test_the_direction_of_a_command_is_kept(command: Command, count: int) -> None:
     gate = gate_with(command.linear, command.angular)
@@ -125,26 +137,20 @@ def test_the_direction_of_a_command_is_kept(command: Command, count: int) -> Non
 
 def test_a_command_within_the_limits_is_reached_exactly() -> None:
     gate = gate_with((0.1, 0.0, 0.05), (0.2, 0.0, 0.0), ttl=0.2)
-    for _ in range(90):
-        twist = gate.advance(DT)
-    np.testing.assert_array_equal(twist, (0.1, 0.0, 0.05, 0.2, 0.0, 0.0))
+    np.testing.assert_array_equal(run(gate, 90), (0.1, 0.0, 0.05, 0.2, 0.0, 0.0))
     assert gate.clamped == 0 and gate.mode == "ready" and gate.reason == ""
 
 
-def test_slowing_down_is_immediate() -> None:
+@pytest.mark.parametrize(
+    ("wanted", "at_once"),
+    [(0.01, 0.01), (-0.2, -LIMITS.max_linear_acceleration * DT)],
+    ids=["slowing down is immediate", "reversing begins at rest"],
+)
+def test_what_follows_a_fast_command(wanted: float, at_once: float) -> None:
     gate = gate_with((0.2, 0.0, 0.0), ttl=0.2)
-    for _ in range(99):
-        gate.advance(DT)
-    gate.command(np.array((0.01, 0.0, 0.0)), np.zeros(3), 0.1, age=0.0)
-    assert gate.advance(DT)[0] == pytest.approx(0.01)
-
-
-def test_reversing_begins_at_rest() -> None:
-    gate = gate_with((0.2, 0.0, 0.0), ttl=0.2)
-    for _ in range(99):
-        gate.advance(DT)
-    gate.command(np.array((-0.2, 0.0, 0.0)), np.zeros(3), 0.1, age=0.0)
-    assert gate.advance(DT)[0] == pytest.approx(-LIMITS.max_linear_acceleration * DT)
+    run(gate, 99)
+    ask(gate, (wanted, 0.0, 0.0))
+    assert gate.advance(DT)[0] == pytest.approx(at_once)
 
 
 @pytest.mark.parametrize("linear", [(1.0, 0.0, 0.0), (1e308, -1e308, 1e308), (0.2, 0.2, 0.2)])
@@ -157,11 +163,9 @@ def test_an_excess_is_clamped_and_counted(linear: tuple[float, ...]) -> None:
 
 
 def test_an_excessive_ttl_is_clamped_and_counted() -> None:
-    gate = gate_with((0.1, 0.0, 0.0), ttl=1e9)
+    gate = gate_with(FORWARDS, ttl=1e9)
     assert gate.clamped == 1
-    for _ in range(round(LONGEST_TTL / DT) + 1):
-        twist = gate.advance(DT)
-    assert not twist.any()
+    assert not run(gate, round(LONGEST_TTL / DT) + 1).any()
 
 
 @pytest.mark.parametrize(
@@ -176,7 +180,7 @@ def test_an_excessive_ttl_is_clamped_and_counted() -> None:
     ids=["invalid", "older than its ttl", "NaN", "infinite", "minus infinite"],
 )
 def test_what_is_no_command_to_execute_means_stop(y: float, age: float, valid: bool, late: int) -> None:
-    gate = gate_with((0.1, 0.0, 0.0))
+    gate = gate_with(FORWARDS)
     gate.advance(DT)
     gate.command(np.array((0.1, y, 0.0)), np.zeros(3), 0.1, age, valid)
     assert not gate.advance(DT).any()
@@ -184,71 +188,63 @@ def test_what_is_no_command_to_execute_means_stop(y: float, age: float, valid: b
 
 
 def test_a_silent_controller_is_counted_once() -> None:
-    gate = gate_with((0.1, 0.0, 0.0), ttl=0.01)
-    for _ in range(round((0.01 + SILENCE) / DT) - 1):
-        gate.advance(DT)
+    gate = gate_with(FORWARDS, ttl=0.01)
+    run(gate, round((0.01 + SILENCE) / DT) - 1)
     assert gate.expired == 0
-    for _ in range(200):
-        gate.advance(DT)
+    run(gate, 200)
     assert gate.expired == 1
     assert gate.mode == "holding" and gate.reason == "no fresh command"
 
 
 def test_commands_slower_than_their_ttl_are_one_motion() -> None:
-    gate = gate_with((0.1, 0.0, 0.0), ttl=0.02)
+    gate = gate_with(FORWARDS, ttl=0.02)
     for _ in range(60):
-        for _ in range(16):
-            gate.advance(DT)
+        run(gate, 16)
         assert gate.mode == "holding"
-        gate.command(np.array((0.1, 0.0, 0.0)), np.zeros(3), 0.02, age=0.0)
+        ask(gate, FORWARDS, ttl=0.02)
     assert gate.expired == 0
 
 
 @pytest.mark.parametrize("ttl", [10 * DT, 9.5 * DT], ids=["between two steps", "within a step"])
 def test_a_motion_that_is_broken_off_however_shortly_is_counted_once(ttl: float) -> None:
-    gate = gate_with((0.1, 0.0, 0.0), ttl=ttl)
-    for _ in range(9):
-        gate.advance(DT)
+    gate = gate_with(FORWARDS, ttl=ttl)
+    run(gate, 9)
     assert gate.held == 0
-    for _ in range(2):
-        gate.advance(DT)
+    run(gate, 2)
     assert (gate.held, gate.expired) == (1, 0)
-    for _ in range(200):
-        gate.advance(DT)
+    run(gate, 200)
     assert gate.held == 1
 
 
 def test_commands_in_time_and_a_stop_are_no_holding() -> None:
-    gate = gate_with((0.1, 0.0, 0.0), ttl=10 * DT)
+    gate = gate_with(FORWARDS, ttl=10 * DT)
     for speed in (0.1, 0.05, 0.0, 0.1, 0.0):
-        gate.command(np.array((speed, 0.0, 0.0)), np.zeros(3), 10 * DT, age=0.0)
-        for _ in range(9 if speed else 50):
-            gate.advance(DT)
-    gate.command(np.array((0.1, 0.0, 0.0)), np.zeros(3), 10 * DT, age=0.0)
+        ask(gate, (speed, 0.0, 0.0), ttl=10 * DT)
+        run(gate, 9 if speed else 50)
+    ask(gate, FORWARDS, ttl=10 * DT)
     gate.advance(DT)
     gate.stop(True, "hand on the button")
-    for _ in range(50):
-        gate.advance(DT)
+    run(gate, 50)
     assert gate.held == 0
 
 
 def test_a_stop_is_latched_until_it_is_released() -> None:
-    gate = gate_with((0.1, 0.0, 0.0))
+    gate = gate_with(FORWARDS)
     gate.advance(DT)
     gate.stop(True, "hand on the button")
     for _ in range(100):
-        gate.command(np.array((0.1, 0.0, 0.0)), np.zeros(3), 0.1, age=0.0)
+        ask(gate, FORWARDS)
         assert not gate.advance(DT).any()
     assert gate.mode == "stopped" and "hand on the button" in gate.reason and "tandem resume" in gate.reason
     gate.stop(False, "")
     assert not gate.advance(DT).any()  # only a command after the release moves
-    gate.command(np.array((0.1, 0.0, 0.0)), np.zeros(3), 0.1, age=0.0)
+    ask(gate, FORWARDS)
     assert gate.advance(DT).any()
 
 
 @pytest.mark.parametrize("dt", [math.nan, math.inf, -0.001])
 def test_a_time_that_is_none_is_refused(dt: float) -> None:
-    gate = gate_with((0.1, 0.0, 0.0))
+    gate = gate_with(FORWARDS)
     with pytest.raises(ValueError, match="dt is"):
         gate.advance(dt)
 
