@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import threading
-import time
 
 from services.mock.parameters import MockParameters
 from services.mock.robot import MockRobot
-from shared.clock import SteadyClock, seconds
-from shared.loop.runner import Runner
+from shared.clock import SteadyClock
 from shared.service import Inputs, Output
-from tests.support.spoilt_bus import SpoiltBus
+from tests.support.spoilt_bus import SpoiltBus, live
 
 RATE, STEPS = 100.0, 5
 """Samples per second, and looks of the gate per sample."""
@@ -35,14 +33,8 @@ class FaultRobot(MockRobot):
         self.longest_gap = 0.0
         self._clock = SteadyClock()
         self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run)
+        self._thread = threading.Thread(target=live, args=(self, self.bus, self._ended.is_set))
         self._thread.start()
-
-    def _run(self) -> None:
-        runner = Runner(self, self.bus, self._clock)
-        while not self._ended.is_set():
-            time.sleep(max(0.0, seconds(runner.next_deadline() - self._clock.now_ns())))
-            runner.poll()
 
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
         """As the mock does; notes when motion begins and ends."""

@@ -18,14 +18,11 @@ import msgpack
 
 from benchmarks.fault_robot import FaultRobot
 from benchmarks.table import Row, at_most
-from shared.messages import ControlTarget, Stop
-from shared.parameters import Refused
-from shared.topics import CONTROL_TARGET, SENSOR_FT, STOP, WRENCH_TARE
-from shared.wire.bus import NoReply
+from shared.messages import Stop
+from shared.topics import CONTROL_TARGET, SENSOR_FT, STOP
 from shared.wire.client import Client
 from tests.faults.programs import (
-    LEVEL,
-    POSITION,
+    AHEAD,
     altered,
     garbage,
     nan_sensor,
@@ -33,6 +30,7 @@ from tests.faults.programs import (
     oversized,
     silent_sensor,
     stuck_sensor,
+    tared,
 )
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process, Processes
@@ -55,7 +53,7 @@ class Stack:
         self.robot = FaultRobot(self.endpoint)
         processes.callback(self.robot.close)
         self.client = Client(self.robot.bus)
-        wait(self._tared)
+        wait(lambda: tared(self.client))
 
     def start(self, name: str) -> Process:
         """A process with its defaults, in the place of one that is no more."""
@@ -64,18 +62,11 @@ class Stack:
         environment = {"XDG_STATE_HOME": self._state}
         return self._processes.start(f"services.{name}", "--connect", self.endpoint, environment=environment)
 
-    def _tared(self) -> bool:
-        try:
-            return self.client.ask(WRENCH_TARE, {"duration": 0.5})["ok"] is True
-        except (NoReply, Refused):
-            return False
-
     def work(self) -> None:
         """Wait for steady motion."""
-        target = ControlTarget((POSITION[0] + 0.3, *POSITION[1:]), LEVEL, (25.0,) * 3, (10.0,) * 3)
 
         def moves() -> bool:
-            self.client.publish(CONTROL_TARGET, target)
+            self.client.publish(CONTROL_TARGET, AHEAD)
             self.client.publish(STOP, Stop(False, "benchmark"))
             return self.robot.moves_for(0.3)
 

@@ -11,22 +11,19 @@ import time
 
 import numpy as np
 
-from benchmarks.latency.pacing import printed
+from benchmarks.latency.pacing import WARM_UP, printed
 from services.mock.parameters import MockParameters
 from services.mock.robot import MockRobot
-from shared.clock import SteadyClock, seconds
-from shared.loop.runner import Runner
 from shared.messages import ControlTarget
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, health_topic
 from shared.wire.bus import OnPayload, Work
 from shared.wire.client import Client
 from shared.wire.zenoh import ZenohBus
+from tests.support.spoilt_bus import live
 from tests.support.wait import eventually
 
-WARM_UP = 1.0
-"""Time [s] between the first command that the gate executes and the measurement."""
 PATIENCE = 20.0
-"""Longest time [s] to wait for the services, and for that command."""
+"""Longest time [s] to wait for the services, and for the first command."""
 SERVICES = ("wrench", "controller")
 
 
@@ -57,71 +54,49 @@ class TimedBus(ZenohBus):
         super().subscribe(key, timed, work)
 
 
-class Probe:
-    """The robot, its pose as the target, and the services' counts of overruns."""
+def main() -> None:
+    """Print the latencies [us] and the overruns in between as JSON."""
+    endpoint, rate, duration = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
+    bus, ended = TimedBus(endpoint), threading.Event()
+    eventually(lambda: bus.living() >= set(SERVICES), PATIENCE, "wrench and controller run")
+    client, robot = Client(bus), MockRobot(MockParameters(rate=rate))
+    health = {name: client.watch(health_topic(name)) for name in SERVICES}
+    target = ControlTarget(robot.motors.position, (0.0, 0.0, 0.0, 1.0), np.full(3, 25.0), np.full(3, 10.0))
 
-    def __init__(self, endpoint: str, rate: float) -> None:
-        self.bus = TimedBus(endpoint)
-        eventually(lambda: self.bus.living() >= set(SERVICES), PATIENCE, "wrench and controller run")
-        self.robot = MockRobot(MockParameters(rate=rate))
-        client = Client(self.bus)
-        self.health = [client.watch(health_topic(name)) for name in SERVICES]
-        self._clock = SteadyClock()
-        self.began = time.monotonic()
-        self._runner = Runner(self.robot, self.bus, self._clock)
-        self._done = threading.Event()
-        threading.Thread(target=self._aim, args=(client,), daemon=True).start()
-
-    def _aim(self, client: Client) -> None:
-        target = ControlTarget(
-            self.robot.motors.position, (0.0, 0.0, 0.0, 1.0), np.full(3, 25.0), np.full(3, 10.0)
-        )
-        while not self._done.wait(0.2):
+    def aim() -> None:
+        while not ended.wait(0.2):
             client.publish(CONTROL_TARGET, target)
 
-    def run(self, duration: float) -> None:
-        """Be the robot for ``duration`` [s]."""
-        end = self._clock.now_ns() + round(duration * 1e9)
-        while self._clock.now_ns() < end:
-            left = seconds(self._runner.next_deadline() - self._clock.now_ns())
-            if left > 0:
-                time.sleep(left)
-            self._runner.poll()
-
-    def overruns(self) -> dict[str, int]:
-        """Overruns since the start of each service."""
+    def overruns() -> dict[str, int]:
         return {
             name: subscription.latest.message.overruns if subscription.latest else -1
-            for name, subscription in zip(SERVICES, self.health, strict=True)
+            for name, subscription in health.items()
         }
 
-    def close(self) -> None:
-        """Leave the bus."""
-        self._done.set()
-        self.bus.close()
-
-
-def main() -> int:
-    """Print the latencies [us] and the overruns in between as JSON; 1 if no command came."""
-    endpoint, rate, duration = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
-    probe = Probe(endpoint, rate)
-    while probe.robot.side.mode != "ready":
-        probe.run(0.01)
-        if time.monotonic() - probe.began > PATIENCE:
-            print(f"no command was executed within {PATIENCE:g} s", file=sys.stderr)
-            return 1
-    first_command = time.monotonic() - probe.began
-    probe.run(WARM_UP)
-    before, begin = probe.overruns(), time.monotonic_ns()
-    probe.run(duration)
-    end = time.monotonic_ns()
-    probe.run(0.6)
-    after = probe.overruns()
-    probe.close()
-    overruns = {name: after[name] - before[name] for name in SERVICES}
-    printed(probe.bus.puts, probe.bus.arrivals, begin, end, overruns=overruns, first_command=first_command)
-    return 0
+    threads = [
+        threading.Thread(target=aim),
+        threading.Thread(target=live, args=(robot, bus, ended.is_set)),
+    ]
+    began = time.monotonic()
+    for thread in threads:
+        thread.start()
+    try:
+        eventually(lambda: robot.side.mode == "ready", PATIENCE, "a command is executed")
+        first_command = time.monotonic() - began
+        time.sleep(WARM_UP)
+        before, begin = overruns(), time.monotonic_ns()
+        time.sleep(duration)
+        end = time.monotonic_ns()
+        # The services' health comes twice a second.
+        time.sleep(0.6)
+        late = {name: count - before[name] for name, count in overruns().items()}
+    finally:
+        ended.set()
+        for thread in threads:
+            thread.join()
+        bus.close()
+    printed(bus.puts, bus.arrivals, begin, end, overruns=late, first_command=first_command)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -5,7 +5,10 @@ from __future__ import annotations
 import bisect
 import json
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+
+WARM_UP = 1.0
+"""Time [s] at the beginning of a measurement that does not count."""
 
 
 def paced(rate: float, seconds: float) -> Iterator[None]:
@@ -55,3 +58,20 @@ def printed(puts: Sequence[int], arrivals: Sequence[int], begin: int, end: int, 
     matched = answers(puts, arrivals)
     inside = [latency for put, latency in zip(puts, matched, strict=True) if begin <= put < end]
     print(json.dumps({"latencies": inside, **more}))
+
+
+def probed(rate: float, seconds: float, put: Callable[[], None], arrivals: Sequence[int]) -> None:
+    """Put at a rate [Hz], first to warm up and then for a time [s], and print the latencies.
+
+    Args:
+        rate: of the puts.
+        seconds: of which the latencies count.
+        put: what has to be answered.
+        arrivals: steady clock [ns] of each answer, kept up.
+    """
+    puts: list[int] = []
+    for _ in paced(rate, WARM_UP + seconds):
+        puts.append(time.monotonic_ns())
+        put()
+    time.sleep(0.2)
+    printed(puts, arrivals, puts[0] + round(WARM_UP * 1e9), puts[-1] + 1)

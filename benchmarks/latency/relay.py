@@ -1,31 +1,31 @@
-"""One hop with nothing in it: ``python -m benchmarks.latency.relay <endpoint> <from> <to> <bytes> [<also> ...]``.
+"""As many hops as the chain has, with nothing in them, and their source and sink.
 
-It receives as the services do, in a thread of its own that takes the newest sample, and puts a ready payload of the
-size that the service would have put. Keys after the size are subscribed to and dropped, as side traffic of the hop.
+``python -m benchmarks.latency.relay hop <endpoint> <from> <to> <bytes> [<also> ...]`` receives as the services do, in a
+thread of its own that takes the newest sample, and puts a ready payload of the size that the service would have put.
+Keys after the size are subscribed to and dropped, as side traffic of the hop.
+``python -m benchmarks.latency.relay probe <endpoint> <rate> <seconds>`` prints the latencies.
 """
 
 from __future__ import annotations
 
-import json
 import signal
 import sys
 import threading
+import time
 
 import zenoh
 
+from benchmarks.latency.pacing import probed
+from shared.wire.zenoh import ZenohBus
+from tests.support.ports import open_session
 
-def open_session(endpoint: str) -> zenoh.Session:
-    """A client of the router at ``endpoint``, Zenoh's own settings otherwise."""
-    config = zenoh.Config()
-    config.insert_json5("mode", json.dumps("client"))
-    config.insert_json5("connect/endpoints", json.dumps([endpoint]))
-    config.insert_json5("scouting/multicast/enabled", "false")
-    return zenoh.open(config)
+ROBOT = "floor"
+FT_BYTES, WRENCH_BYTES, TWIST_BYTES, EE_BYTES = 214, 209, 129, 202
+"""Sizes [bytes] of sensor/ft, wrench/external, command/ee_twist and state/ee on the wire."""
 
 
-def main() -> None:
+def hop(endpoint: str, source: str, target: str, size: str, *also: str) -> None:
     """Relay until SIGTERM."""
-    endpoint, source, target, size, *also = sys.argv[1:]
     done = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: done.set())
     with open_session(endpoint) as session:
@@ -51,5 +51,19 @@ def main() -> None:
             pass
 
 
+def probe(endpoint: str, rate: str, seconds: str) -> None:
+    """Print the latencies [us] as JSON."""
+    bus = ZenohBus(ROBOT, endpoint)
+    arrivals: list[int] = []
+    bus.subscribe("twist", lambda payload: arrivals.append(time.monotonic_ns()))
+
+    def put() -> None:
+        bus.publish("ft", bytes(FT_BYTES))
+        bus.publish("ee", bytes(EE_BYTES))
+
+    probed(float(rate), float(seconds), put, arrivals)
+    bus.close()
+
+
 if __name__ == "__main__":
-    main()
+    {"hop": hop, "probe": probe}[sys.argv[1]](*sys.argv[2:])

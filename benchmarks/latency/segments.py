@@ -12,12 +12,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Self
 
-from benchmarks.latency.relay_probe import ROBOT, TWIST_BYTES, WRENCH_BYTES
+from benchmarks.latency.relay import ROBOT, TWIST_BYTES, WRENCH_BYTES
 from tests.support.ports import free_endpoint, free_port
 from tests.support.processes import Process, Processes
 
 LONGEST = 120.0
 """Time [s] within which a probe has to have ended."""
+RELAY, ROS = "benchmarks.latency.relay", "benchmarks.latency.ros"
 ROS_PYTHON = "/usr/bin/python3"
 
 
@@ -87,8 +88,8 @@ def relay(rate: float, seconds: float) -> Segment:
     with _started() as (processes, endpoint):
         for source, target, *more in hops:
             hop = f"{ROBOT}/{source}", f"{ROBOT}/{target}", *more
-            processes.start("benchmarks.latency.relay", endpoint, *hop).wait_for_output("ready")
-        return _measured(processes.start("benchmarks.latency.relay_probe", endpoint, str(rate), str(seconds)))
+            processes.start(RELAY, "hop", endpoint, *hop).wait_for_output("ready")
+        return _measured(processes.start(RELAY, "probe", endpoint, str(rate), str(seconds)))
 
 
 def ros(rate: float, seconds: float) -> Segment:
@@ -99,8 +100,8 @@ def ros(rate: float, seconds: float) -> Segment:
         start = partial(processes.start, environment=environment, python=ROS_PYTHON)
         start("/usr/bin/rosmaster", "--core", "-p", str(port))
         for hop in (("ft", "wrench", "wrench"), ("wrench", "twist", "twist")):
-            start("benchmarks.latency.ros_relay", *hop).wait_for_output("ready")
-        return _measured(start("benchmarks.latency.ros_probe", str(rate), str(seconds)))
+            start(ROS, "hop", *hop).wait_for_output("ready")
+        return _measured(start(ROS, "probe", str(rate), str(seconds)))
 
 
 def ros_missing() -> str:

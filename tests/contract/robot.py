@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import secrets
 import threading
@@ -43,6 +42,7 @@ from shared.topics import (
     topic_by_key,
 )
 from shared.wire.codec import Rejected, decode, encode
+from tests.support.ports import open_session
 from tests.support.processes import Process
 from tests.support.wait import eventually
 
@@ -84,14 +84,7 @@ class Network:
     """A client of the router that knows nothing of the project's own bus."""
 
     def __init__(self, endpoint: str) -> None:
-        config = zenoh.Config()
-        for key, value in (
-            ("mode", "client"),
-            ("connect/endpoints", [endpoint]),
-            ("scouting/multicast/enabled", False),
-        ):
-            config.insert_json5(key, json.dumps(value))
-        self.session = zenoh.open(config)
+        self.session = open_session(endpoint)
 
     def put(self, key: str, payload: bytes) -> None:
         self.session.put(f"{NAME}/{key}", payload, encoding=zenoh.Encoding("application/msgpack"))

@@ -3,29 +3,20 @@
 from __future__ import annotations
 
 import math
-import threading
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
-from shared.messages import ControlStatus, ControlTarget, Stop, TwistCommand
-from shared.parameters import Refused
-from shared.topics import (
-    COMMAND_EE_TWIST,
-    CONTROL_STATUS,
-    CONTROL_TARGET,
-    STOP,
-    WRENCH_TARE,
-    health_topic,
-)
-from shared.wire.bus import NoReply
+from shared.messages import ControlStatus, Stop, TwistCommand
+from shared.topics import COMMAND_EE_TWIST, CONTROL_STATUS, CONTROL_TARGET, STOP
 from shared.wire.client import Client
 from shared.wire.subscription import Received
-from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
-from tests.faults.programs import LEVEL, POSITION
+from tests.faults import programs
 from tests.support.processes import Process
+from tests.support.stand_in import StandIn
 from tests.support.wait import eventually
 
 MAX_LINEAR, MAX_ANGULAR = 0.25, 0.5
@@ -34,18 +25,11 @@ PATIENCE = 40.0
 """Longest wait [s] for what has to happen; spent only by a test that fails."""
 
 
-@dataclass(frozen=True)
-class Observed:
-    """One command as it arrived."""
+class Observed(NamedTuple):
+    """One command: whether it moves the tool, and who sent it."""
 
-    arrival_ns: int
-    speed: float
-    valid: bool
+    moves: bool
     session: int
-
-    @property
-    def moves(self) -> bool:
-        return self.valid and self.speed > 0.0
 
 
 class Watch:
@@ -65,7 +49,7 @@ class Watch:
         if linear > MAX_LINEAR + 1e-9 or angular > MAX_ANGULAR + 1e-9 or message.ttl > 0.2:
             self.excesses.append(message)
         header = received.header
-        self.commands.append(Observed(received.arrival_ns, linear + angular, header.valid, header.session))
+        self.commands.append(Observed(header.valid and linear + angular > 0.0, header.session))
 
     def _status(self, received: Received[ControlStatus]) -> None:
         self.status = received.message
@@ -85,21 +69,16 @@ class Watch:
         return self.status.reason if self.status else ""
 
 
-class Chain:
-    """The two services, and a task that asks the tool to move on."""
+class Chain(StandIn):
+    """The two services, and a task that asks the tool to move on; its ``health`` is that of the wrench service."""
 
     def __init__(self, router: Router, start: StartProcess, state: Path) -> None:
+        super().__init__(router.endpoint, "wrench", period=0.1)
         self.router = router
         self._start = start
         self._state = state
-        self.bus = ZenohBus(connect=router.endpoint)
-        self.client = Client(self.bus)
         self.watch = Watch(self.client)
-        self.health = {name: self.client.watch(health_topic(name)) for name in ("wrench", "controller")}
-        self._ended = threading.Event()
-        self._paused = False
-        self._task = threading.Thread(target=self._publish_target)
-        self._task.start()
+        self.paused = False
         self.wrench = self.start_wrench()
         self.controller = self.start_controller()
 
@@ -120,34 +99,31 @@ class Chain:
         return self._start(module, "--connect", self.router.endpoint, *options, environment=environment)
 
     @contextmanager
+    def misbehaving(self, name: str) -> Iterator[Process]:
+        """A robot that worked, and misbehaves from now on until SIGUSR2."""
+        with self.playing(name) as program:
+            program.signal(signal.SIGUSR1)
+            yield program
+
+    @contextmanager
     def playing(self, name: str = "healthy") -> Iterator[Process]:
         """A robot that works, and misbehaves from SIGUSR1 to SIGUSR2; nothing is harmed by it."""
+        # No test pays for a latch of the one before it.
+        self.release()
         with running(self.program("tests.faults.programs", name)) as program:
             self.works("the healthy robot moves")
             yield program
         self.unharmed()
 
-    def _publish_target(self) -> None:
-        ahead = (POSITION[0] + 0.3, *POSITION[1:])
-        target = ControlTarget(ahead, LEVEL, (25.0,) * 3, (10.0,) * 3)
-        while not self._ended.wait(0.1):
-            if not self._paused:
-                self.client.publish(CONTROL_TARGET, target)
-
-    def pause_target(self, paused: bool = True) -> None:
-        """Let the task fall silent, or speak again."""
-        self._paused = paused
+    def turn(self, number: int) -> None:
+        """Say the target again, unless the task is paused."""
+        if not self.paused:
+            self.client.publish(CONTROL_TARGET, programs.AHEAD)
 
     def tare(self) -> None:
-        """Tare: else the error bound of the uncompensated sensor leaves no room within the limits."""
+        """Tare the sensor of a robot that is there only for this."""
         with running(self.program("tests.faults.programs", "healthy")):
-            eventually(self._tared, PATIENCE, "the sensor is tared")
-
-    def _tared(self) -> bool:
-        try:
-            return self.client.ask(WRENCH_TARE, {"duration": 0.3})["ok"] is True
-        except (NoReply, Refused):
-            return False
+            eventually(lambda: programs.tared(self.client), PATIENCE, "the sensor is tared")
 
     def release(self) -> None:
         """What ``tandem resume`` does."""
@@ -163,16 +139,6 @@ class Chain:
     def brakes(self, what: str = "the controller brakes") -> None:
         eventually(self.watch.stopped, PATIENCE, lambda: f"{what} ({self.watch.reason})")
 
-    def refused(self, service: str, key: str) -> int:
-        """How many messages of a key a service refused so far, by its own account."""
-        latest = self.health[service].latest
-        return latest.message.inputs[key].rejected if latest else 0
-
-    def sensor_ok(self) -> bool:
-        """Whether the wrench service reports that all is well."""
-        latest = self.health["wrench"].latest
-        return latest is not None and latest.message.state == "ok"
-
     def unharmed(self) -> None:
         """Nothing crashed, nothing was commanded beyond a limit, nothing that is no message was said."""
         for process in (self.wrench, self.controller):
@@ -185,11 +151,6 @@ class Chain:
         """``unharmed``, to be asked again and again."""
         self.unharmed()
         return True
-
-    def close(self) -> None:
-        self._ended.set()
-        self._task.join()
-        self.bus.close()
 
 
 @contextmanager
@@ -204,9 +165,6 @@ def running(process: Process) -> Iterator[Process]:
 @contextmanager
 def tared(router: Router, start: StartProcess, state: Path) -> Iterator[Chain]:
     """A chain that works as soon as there is a robot."""
-    chain = Chain(router, start, state)
-    try:
+    with Chain(router, start, state) as chain:
         chain.tare()
         yield chain
-    finally:
-        chain.close()

@@ -11,7 +11,6 @@ import itertools
 import math
 import random
 import signal
-import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -21,15 +20,19 @@ import msgpack
 
 from services.mock.parameters import MockParameters
 from services.mock.robot import MockRobot
-from shared.clock import SteadyClock, seconds
-from shared.loop.runner import Runner
-from shared.topics import SENSOR_FT, STATE_EE, Topic
-from tests.support.spoilt_bus import Spoil, SpoiltBus
+from shared.messages import ControlTarget
+from shared.parameters import Refused
+from shared.topics import SENSOR_FT, STATE_EE, WRENCH_TARE, Topic
+from shared.wire.bus import NoReply
+from shared.wire.client import Client
+from tests.support.spoilt_bus import Spoil, SpoiltBus, live
 
 PERIOD = 1 / 30
 """The slowest rate of the contract: what is told late or lost at it is the fault's doing, not a loaded machine's."""
 POSITION = (0.5, -0.3, 1.0)
 LEVEL = (0.0, 0.0, 0.0, 1.0)
+AHEAD = ControlTarget((POSITION[0] + 0.3, *POSITION[1:]), LEVEL, (25.0,) * 3, (10.0,) * 3)
+"""What the tool is asked for while a robot plays."""
 HOUR = 3_600 * 10**9  # [ns]
 DEEP = b"\x91" * 1020 + b"\xc0"
 """A thousand lists, each in the one before."""
@@ -225,6 +228,14 @@ def flood(key: str, payload: bytes) -> Iterable[bytes]:
     )
 
 
+def tared(client: Client) -> bool:
+    """Whether the sensor could be tared: else the error bound that it has without leaves no room within the limits."""
+    try:
+        return client.ask(WRENCH_TARE, {"duration": 0.5})["ok"] is True
+    except (NoReply, Refused):
+        return False
+
+
 def main() -> None:
     """Play a program until SIGTERM."""
     parser = argparse.ArgumentParser()
@@ -242,13 +253,10 @@ def main() -> None:
             return ()
         return played.spoil(key, payload) if switch["on"] else (payload,)
 
-    bus, clock = SpoiltBus(options.connect, said), SteadyClock()
+    bus = SpoiltBus(options.connect, said)
     robot = MockRobot(MockParameters(rate=played.rate, still=True, position=POSITION))
-    runner = Runner(robot, bus, clock)
     print("playing", flush=True)
-    while not switch["ended"]:
-        time.sleep(max(0.0, seconds(runner.next_deadline() - clock.now_ns())))
-        runner.poll()
+    live(robot, bus, lambda: switch["ended"])
     bus.close()
 
 

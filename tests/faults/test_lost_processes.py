@@ -84,11 +84,11 @@ def test_the_last_target_stays_in_force(chain: Chain, robot: Process) -> None:
     """The task may die: its last target holds, as the contract says."""
     subscription = chain.client.watch(CONTROL_TARGET)
     eventually(lambda: subscription.latest, PATIENCE, "a target")
-    chain.pause_target()
+    chain.paused = True
     try:
         chain.works("the tool moves without a task")
     finally:
-        chain.pause_target(False)
+        chain.paused = False
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])

@@ -31,16 +31,9 @@ LATCHES = {"silent_sensor": "silent", "stuck_sensor": "stuck", "saturated_sensor
 CARRIES_ON = ["garbage_between", "duplicates", "lossy"]
 
 
-@pytest.fixture(autouse=True)
-def released(chain: Chain) -> None:
-    """No test pays for a latch of the one before it."""
-    chain.release()
-
-
 @pytest.mark.parametrize("name", BRAKES)
 def test_brakes_and_resumes(chain: Chain, name: str) -> None:
-    with chain.playing(name) as program:
-        program.signal(signal.SIGUSR1)
+    with chain.misbehaving(name) as program:
         chain.brakes()
         assert chain.watch.reason
         program.signal(signal.SIGUSR2)
@@ -49,13 +42,12 @@ def test_brakes_and_resumes(chain: Chain, name: str) -> None:
 
 @pytest.mark.parametrize("name", LATCHES)
 def test_brakes_and_stays_so_until_released(chain: Chain, name: str) -> None:
-    with chain.playing(name) as program:
-        program.signal(signal.SIGUSR1)
+    with chain.misbehaving(name) as program:
         chain.brakes()
         eventually(lambda: "latched" in chain.watch.reason, PATIENCE, "braking is latched")
         assert LATCHES[name] in chain.watch.reason and "tandem resume" in chain.watch.reason
         program.signal(signal.SIGUSR2)
-        eventually(chain.sensor_ok, PATIENCE, "the sensor is back")
+        eventually(chain.ok, PATIENCE, "the sensor is back")
         count = len(chain.watch.commands)
         throughout(lambda: chain.watch.moved_since(count) == 0, 1.0, "no motion before the release")
         chain.release()
@@ -64,38 +56,32 @@ def test_brakes_and_stays_so_until_released(chain: Chain, name: str) -> None:
 
 @pytest.mark.parametrize("name", CARRIES_ON)
 def test_carries_on(chain: Chain, name: str) -> None:
-    with chain.playing(name) as program:
-        before = chain.refused("wrench", SENSOR_FT.key)
-        program.signal(signal.SIGUSR1)
+    with chain.misbehaving(name):
+        before = chain.refused(SENSOR_FT.key)
         count = len(chain.watch.commands)
         eventually(lambda: chain.watch.moved_since(count) >= 60, PATIENCE, "it keeps moving")
         if name != "lossy":
-            eventually(
-                lambda: chain.refused("wrench", SENSOR_FT.key) > before + 50, PATIENCE, "refusals counted"
-            )
+            eventually(lambda: chain.refused(SENSOR_FT.key) > before + 50, PATIENCE, "refusals counted")
 
 
 def test_a_sequence_far_ahead_is_survived_without_help(chain: Chain) -> None:
-    with chain.playing("jumping_sequence") as program:
-        program.signal(signal.SIGUSR1)
+    with chain.misbehaving("jumping_sequence"):
         chain.brakes()
         chain.works("the true sequence is followed again")
 
 
 def test_heavy_loss_brakes(chain: Chain) -> None:
-    with chain.playing("very_lossy") as program:
-        program.signal(signal.SIGUSR1)
+    with chain.misbehaving("very_lossy") as program:
         chain.brakes()
         program.signal(signal.SIGUSR2)
         # More than 100 ms without a sample, while the tool's pose came through, may have been among it: a latch.
-        eventually(chain.sensor_ok, PATIENCE, "the samples come through")
+        eventually(chain.ok, PATIENCE, "the samples come through")
         chain.release()
         chain.works("it resumes")
 
 
 def test_a_flood_harms_nothing(chain: Chain) -> None:
-    with chain.playing("flood") as program:
-        program.signal(signal.SIGUSR1)
+    with chain.misbehaving("flood") as program:
         throughout(chain.unharmed_so_far, 2.0, "the services live through it")
         program.signal(signal.SIGUSR2)
         chain.works("it resumes by itself")
@@ -113,11 +99,9 @@ def test_a_flood_of_queries_does_not_stop_the_tool(chain: Chain) -> None:
 
 def test_a_second_publisher_is_refused_and_counted(chain: Chain) -> None:
     with chain.playing():
-        before = chain.refused("wrench", SENSOR_FT.key)
+        before = chain.refused(SENSOR_FT.key)
         with running(chain.program("tests.faults.strangers", "second_publisher")):
-            eventually(
-                lambda: chain.refused("wrench", SENSOR_FT.key) > before + 50, PATIENCE, "refusals counted"
-            )
+            eventually(lambda: chain.refused(SENSOR_FT.key) > before + 50, PATIENCE, "refusals counted")
         chain.works("the first one is heard")
 
 

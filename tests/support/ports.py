@@ -1,8 +1,11 @@
-"""Free ports on the loopback interface."""
+"""Free ports on the loopback interface, and a client of Zenoh that knows nothing of the project's own bus."""
 
 from __future__ import annotations
 
+import json
 import socket
+
+import zenoh
 
 
 def free_port() -> int:
@@ -15,3 +18,12 @@ def free_port() -> int:
 def free_endpoint() -> str:
     """A Zenoh endpoint on a free loopback port, such as ``tcp/127.0.0.1:41235``."""
     return f"tcp/127.0.0.1:{free_port()}"
+
+
+def open_session(endpoint: str) -> zenoh.Session:
+    """A client of the router at an endpoint, Zenoh's own settings otherwise."""
+    config = zenoh.Config()
+    config.insert_json5("mode", json.dumps("client"))
+    config.insert_json5("connect/endpoints", json.dumps([endpoint]))
+    config.insert_json5("scouting/multicast/enabled", "false")
+    return zenoh.open(config)

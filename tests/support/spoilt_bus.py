@@ -1,4 +1,4 @@
-"""A bus on which a robot misbehaves: something else is sent in place of what it says."""
+"""A robot in real time, and a bus on which it misbehaves: something else is sent in place of what it says."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterable
 
+from shared.clock import SteadyClock, seconds
+from shared.loop.runner import Runner
+from shared.service import Service
 from shared.wire.zenoh import ZenohBus
 
 Spoil = Callable[[str, bytes], Iterable[bytes]]
@@ -32,3 +35,12 @@ class SpoiltBus(ZenohBus):
             super().publish(key, sent)
         if payload in spoilt:
             self.last_sent_ns[key] = time.monotonic_ns()
+
+
+def live(service: Service, bus: ZenohBus, ended: Callable[[], bool]) -> None:
+    """Run a service that a timer drives, in this thread and in real time, until it is to end."""
+    clock = SteadyClock()
+    runner = Runner(service, bus, clock)
+    while not ended():
+        time.sleep(max(0.0, seconds(runner.next_deadline() - clock.now_ns())))
+        runner.poll()
