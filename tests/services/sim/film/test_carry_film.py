@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
-import imageio.v2 as imageio
 import numpy as np
 import pytest
 
-from services.sim.film import carry_film
 from services.sim.film.carry_recording import CarryRun, Moment
 from services.sim.film.carry_scene import CarryScene
 from services.sim.film.figure import FOREARM, UPPER_ARM, posture
-from services.sim.film.film import FILM, STRIP, render
 from services.sim.scene.panel import CLEARED
 from shared import topics
-from shared.loop.config import Misconfigured
 from shared.messages import HeadCommand
-from tests.services.sim.carries import ROWS, SECONDS, START, carry
+from tests.services.sim.carries import ROWS, START, carry
 from tests.services.sim.rig import Rig
 
 SIZE = (480, 270)
@@ -40,20 +35,6 @@ def panel_in(picture: np.ndarray) -> np.ndarray:
     """Which pixels (height, width) are blue as the panel: much bluer than red, and bright."""
     red, _, blue = np.moveaxis(picture.astype(int), 2, 0)
     return (blue - red > 35) & (blue > 140)
-
-
-def test_a_film_has_its_length_and_the_strip_all_its_pictures(tmp_path: Path) -> None:
-    assert render(carry(), tmp_path, rate=4.0, speed=4.0) == round(SECONDS)
-    pictures = [np.asarray(picture, dtype=float) for picture in imageio.get_reader(tmp_path / FILM)]
-    assert len(pictures) == round(SECONDS)
-    assert pictures[0].shape == (carry_film.HEIGHT, carry_film.WIDTH, 3)
-    assert np.abs(pictures[0] - pictures[-1]).mean() > 1.0
-    strip = imageio.imread(tmp_path / STRIP)
-    # Pictures are parted by white lines; captions above them belong to none.
-    below = strip[-carry_film.STILL[1] :]
-    filled = (below != 255).any(axis=(0, 2)).astype(int)
-    assert (np.diff(filled) == 1).sum() == 3
-    assert filled.sum() == 3 * carry_film.STILL[0]
 
 
 def test_the_panel_appears_where_it_is_and_moves(run: CarryRun, scene: CarryScene) -> None:
@@ -144,19 +125,3 @@ def test_the_hands_go_to_the_panel_and_do_not_jump(run: CarryRun) -> None:
     shares = [moment.holding for moment in moments]
     assert shares[0] == 0.0 and shares[-1] == 1.0
     assert np.diff(shares).min() >= 0.0 and np.diff(shares).max() < 0.25
-
-
-@pytest.mark.parametrize(
-    ("changes", "says"),
-    [
-        ({"hand_force": None}, "no recording of a run"),
-        ({"wrench": np.zeros((3, 6))}, "series of one length"),
-        ({"parameters": {"marker_id": 99}}, "parameters: "),
-    ],
-)
-def test_a_bad_recording_is_refused_in_one_line(
-    tmp_path: Path, changes: dict[str, object], says: str
-) -> None:
-    with pytest.raises(Misconfigured) as refused:
-        render(carry(**changes), tmp_path)
-    assert says in str(refused.value) and "\n" not in str(refused.value)

@@ -1,4 +1,4 @@
-"""The film of the load experiment, and recordings that no film can be made of."""
+"""Films of both experiments, the load's scene, and recordings that no film can be made of."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ import imageio.v2 as imageio
 import numpy as np
 import pytest
 
-from services.sim.film.film import FILM, render
-from services.sim.film.load_film import HEIGHT, WIDTH
+from services.sim.film import carry_film, load_film
+from services.sim.film.film import FILM, STRIP, render
 from services.sim.film.load_scene import Scene
 from services.sim.robot.kinematics import HOME
 from shared.loop.config import Misconfigured
 from shared.robot.tiago import CHAIN
+from tests.services.sim.carries import SECONDS, carry
 
 
 def recording(**changes: object) -> dict[str, object]:
@@ -33,12 +34,29 @@ def recording(**changes: object) -> dict[str, object]:
     return {name: value for name, value in (data | changes).items() if value is not None}
 
 
-def test_a_film_has_its_length_and_its_pictures_change(tmp_path: Path) -> None:
-    assert render(recording(), tmp_path, rate=5.0, speed=4.0) == 5
-    pictures = [np.asarray(picture, dtype=float) for picture in imageio.get_reader(tmp_path / FILM)]
-    assert len(pictures) == 5
-    assert pictures[0].shape == (HEIGHT, WIDTH, 3)
-    assert np.abs(pictures[0] - pictures[-1]).mean() > 1.0
+@pytest.mark.parametrize(
+    ("made", "rate", "pictures", "shape"),
+    [
+        (recording(), 5.0, 5, (load_film.HEIGHT, load_film.WIDTH, 3)),
+        (carry(), 4.0, round(SECONDS), (carry_film.HEIGHT, carry_film.WIDTH, 3)),
+    ],
+    ids=["load", "carry"],
+)
+def test_a_film_has_its_length_and_its_pictures_change(
+    tmp_path: Path, made: dict[str, object], rate: float, pictures: int, shape: tuple[int, ...]
+) -> None:
+    assert render(made, tmp_path, rate=rate, speed=4.0) == pictures
+    shown = [np.asarray(picture, dtype=float) for picture in imageio.get_reader(tmp_path / FILM)]
+    assert len(shown) == pictures and shown[0].shape == shape
+    assert np.abs(shown[0] - shown[-1]).mean() > 1.0
+    if made["scene"] != "carry":
+        return
+    strip = imageio.imread(tmp_path / STRIP)
+    # Pictures are parted by white lines; captions above them belong to none.
+    below = strip[-carry_film.STILL[1] :]
+    filled = (below != 255).any(axis=(0, 2)).astype(int)
+    assert (np.diff(filled) == 1).sum() == 3
+    assert filled.sum() == 3 * carry_film.STILL[0]
 
 
 def test_the_tool_appears_where_the_camera_says() -> None:
@@ -57,19 +75,23 @@ def test_the_tool_appears_where_the_camera_says() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "says"),
+    ("made", "says"),
     [
-        ({"force_z": None}, "no recording of a run"),
-        ({"scene": "carry"}, "no recording of a run"),
-        ({"force_z": np.zeros(3)}, "series of one length"),
-        ({"joint_positions": np.zeros((40, 2))}, "joint_positions has shape (40, 2), wanted (40, 8)"),
+        (recording(force_z=None), "no recording of a run"),
+        (recording(scene="carry"), "no recording of a run"),
+        (recording(force_z=np.zeros(3)), "series of one length"),
+        (
+            recording(joint_positions=np.zeros((40, 2))),
+            "joint_positions has shape (40, 2), wanted (40, 8)",
+        ),
+        (carry(hand_force=None), "no recording of a run"),
+        (carry(wrench=np.zeros((3, 6))), "series of one length"),
+        (carry(parameters={"marker_id": 99}), "parameters: "),
     ],
 )
-def test_a_bad_recording_is_refused_in_one_line(
-    tmp_path: Path, changes: dict[str, object], says: str
-) -> None:
+def test_a_bad_recording_is_refused_in_one_line(tmp_path: Path, made: dict[str, object], says: str) -> None:
     with pytest.raises(Misconfigured) as refused:
-        render(recording(**changes), tmp_path)
+        render(made, tmp_path)
     assert says in str(refused.value) and "\n" not in str(refused.value)
 
 
