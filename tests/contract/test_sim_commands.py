@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -113,66 +114,42 @@ def test_reset_takes_everything_back(sim: Robot) -> None:
     eventually(lambda: sim.all(SENSOR_FT), PATIENCE, "the sensor speaks")
 
 
-def measured(message: FtSample | JointState) -> list[float]:
-    """What the sensor says: the force, or where the right arm's joints are."""
-    if isinstance(message, FtSample):
-        return message.force.tolist()
+def measured(message: FtSample | JointState | CameraImage) -> list[float]:
+    """What the sensor says: the force, where the right arm's joints are, or the picture's brightness."""
+    match message:
+        case FtSample():
+            return message.force.tolist()
+        case CameraImage():
+            return [float(np.mean(Image.open(io.BytesIO(message.data)).convert("L")))]
     joints = zip(message.name, message.position.tolist(), strict=True)
     return [position for name, position in joints if name.startswith("arm_right")]
 
 
 @pytest.mark.parametrize(
-    ("target", "topic"), [("ft", SENSOR_FT), ("joints", STATE_JOINTS)], ids=["ft", "joints"]
+    ("target", "topic", "count", "bias", "slack", "delay"),
+    [
+        ("ft", SENSOR_FT, 10, 3.0, 0.5, 0.3),
+        ("joints", STATE_JOINTS, 10, 3.0, 0.5, 0.3),
+        # What is black gets no darker.
+        ("camera", SENSOR_CAMERA, 3, -60.0, 20.0, 0.8),
+    ],
+    ids=["ft", "joints", "camera"],
 )
-def test_fault_of_a_sensor(sim: Robot, target: str, topic: Topic) -> None:
-    def values(count: int = 10) -> list[list[float]]:
-        sim.heard[topic.key].clear()
-        eventually(lambda: len(sim.all(topic)) >= count, PATIENCE, f"{count} messages")
-        return [measured(heard.message) for heard in sim.all(topic)[-count // 2 :]]
+def test_fault_of_a_sensor(
+    sim: Robot, target: str, topic: Topic, count: int, bias: float, slack: float, delay: float
+) -> None:
+    with sim.listening(topic.key) as samples:
 
-    def silent() -> bool:
-        sim.heard[topic.key].clear()
-        passed(sim, 6)
-        return not sim.all(topic)
-
-    right = np.mean(values(), axis=0)
-    command(sim, "fault", target=target, kind="off")
-    eventually(silent, PATIENCE, "silence")
-    command(sim, "fault", target=target, kind="garbage")
-    rejected = len(sim.rejected)
-    eventually(lambda: len(sim.rejected) > rejected + 5, PATIENCE, "garbage")
-    sim.rejected.clear()
-    command(sim, "fault", target=target, kind="stuck")
-    eventually(lambda: len({tuple(value) for value in values()}) == 1, PATIENCE, "the same again and again")
-    command(sim, "fault", target=target, kind="bias", value=3.0)
-    eventually(lambda: np.allclose(np.mean(values(), axis=0), right + 3.0, atol=0.5), PATIENCE, "3 more")
-    command(sim, "fault", target=target, kind="delay", value=0.3)
-    # World and sensor stamp with one clock: what is delayed says so.
-    eventually(lambda: lag(sim, topic) > 0.25, PATIENCE, "old messages")
-    command(sim, "fault", target=target, kind="ok")
-    eventually(lambda: lag(sim, topic) < 0.1, PATIENCE, "fresh ones")
-    assert np.mean(values(), axis=0) == pytest.approx(right, abs=0.5)
-
-
-def lag(sim: Robot, topic: Topic) -> float:
-    """How much older [s] the newest message of a topic is than the newest of the world."""
-    heard = sim.all(topic)
-    return (sim.all(SIM_WORLD)[-1].header.stamp - heard[-1].header.stamp) * 1e-9 if heard else float("inf")
-
-
-def test_fault_of_the_camera(sim: Robot) -> None:
-    with sim.listening(SENSOR_CAMERA.key) as samples:
-
-        def arrived(count: int = 3) -> list[bytes]:
+        def arrived() -> list[bytes]:
             samples.clear()
-            eventually(lambda: len(samples) >= count, PATIENCE, f"{count} pictures")
-            return [sample.payload.to_bytes() for sample in samples]
+            eventually(lambda: len(samples) >= count, PATIENCE, f"{count} messages")
+            return [sample.payload.to_bytes() for sample in samples][-(count + 1) // 2 :]
 
-        def picture() -> tuple[Header, CameraImage]:
-            return decode(CameraImage, arrived()[-1], SENSOR_CAMERA.cap)
+        def messages() -> list[tuple[Header, Any]]:
+            return [decode(topic.message, payload, topic.cap) for payload in arrived()]
 
-        def brightness() -> float:
-            return float(np.mean(Image.open(io.BytesIO(picture()[1].data)).convert("L")))
+        def level() -> np.ndarray:
+            return np.mean([measured(message) for _, message in messages()], axis=0)
 
         def silent() -> bool:
             samples.clear()
@@ -181,23 +158,30 @@ def test_fault_of_the_camera(sim: Robot) -> None:
 
         def garbage() -> bool:
             try:
-                picture()
+                return not messages()
             except Rejected:
                 return True
-            return False
 
-        right = brightness()
-        command(sim, "fault", target="camera", kind="off")
+        def stuck() -> bool:
+            return len({str(measured(message)) for _, message in messages()}) == 1
+
+        def lag() -> float:
+            # World and sensor stamp with one clock: what is delayed says so.
+            header, _ = messages()[-1]
+            return (sim.all(SIM_WORLD)[-1].header.stamp - header.stamp) * 1e-9
+
+        right = level()
+        command(sim, "fault", target=target, kind="off")
         eventually(silent, PATIENCE, "silence")
-        command(sim, "fault", target="camera", kind="garbage")
+        command(sim, "fault", target=target, kind="garbage")
         eventually(garbage, PATIENCE, "garbage")
-        command(sim, "fault", target="camera", kind="bias", value=-60.0)
-        eventually(lambda: not garbage() and brightness() < right - 40.0, PATIENCE, "a darker picture")
-        command(sim, "fault", target="camera", kind="stuck")
-        eventually(lambda: picture()[1].data == picture()[1].data, PATIENCE, "one picture for ever")
-        command(sim, "fault", target="camera", kind="delay", value=0.8)
-        eventually(
-            lambda: -picture()[0].stamp + sim.all(SIM_WORLD)[-1].header.stamp > 0.7e9, PATIENCE, "old ones"
-        )
-        command(sim, "fault", target="camera", kind="ok")
-        eventually(lambda: abs(brightness() - right) < 5.0, PATIENCE, "as before")
+        command(sim, "fault", target=target, kind="stuck")
+        eventually(lambda: not garbage() and stuck(), PATIENCE, "the same again and again")
+        command(sim, "fault", target=target, kind="bias", value=bias)
+        eventually(lambda: np.allclose(level(), right + bias, atol=slack), PATIENCE, f"{bias} more")
+        command(sim, "fault", target=target, kind="delay", value=delay)
+        eventually(lambda: lag() > 0.8 * delay, PATIENCE, "old messages")
+        command(sim, "fault", target=target, kind="ok")
+        eventually(lambda: lag() < delay / 3.0, PATIENCE, "fresh ones")
+        assert level() == pytest.approx(right, abs=min(slack, 5.0))
+    sim.rejected.clear()
