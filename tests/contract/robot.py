@@ -17,12 +17,7 @@ import numpy as np
 import zenoh
 
 from shared.messages import (
-    BaseState,
-    EndEffector,
-    FtSample,
-    GripperState,
     Header,
-    RobotStatus,
     Stop,
     TwistCommand,
 )
@@ -130,6 +125,11 @@ class Commander(Network):
         super().close()
 
 
+def _newest(topic: Topic) -> Any:
+    """The newest message of a topic, as an attribute of ``Robot``."""
+    return property(lambda robot: robot.heard[topic.key][-1].message)
+
+
 class Robot(Network):
     """What is published under the robot's name, but for the camera's pictures: they are taken for those who ask."""
 
@@ -187,33 +187,19 @@ class Robot(Network):
     def all(self, topic: Topic) -> list[Heard]:
         return list(self.heard.get(topic.key, ()))
 
-    @property
-    def tool(self) -> EndEffector:
-        return self.heard[STATE_EE.key][-1].message
+    tool = _newest(STATE_EE)
+    sample = _newest(SENSOR_FT)
+    status = _newest(STATE_ROBOT)
+    base = _newest(STATE_BASE)
+    gripper = _newest(STATE_GRIPPER)
 
     @property
     def rotation(self) -> Array:
         return rotation_matrix(self.tool.orientation)
 
     @property
-    def sample(self) -> FtSample:
-        return self.heard[SENSOR_FT.key][-1].message
-
-    @property
-    def status(self) -> RobotStatus:
-        return self.heard[STATE_ROBOT.key][-1].message
-
-    @property
     def speed(self) -> float:
         return float(np.linalg.norm(self.tool.linear))
-
-    @property
-    def base(self) -> BaseState:
-        return self.heard[STATE_BASE.key][-1].message
-
-    @property
-    def gripper(self) -> GripperState:
-        return self.heard[STATE_GRIPPER.key][-1].message
 
     def at_rest(self) -> bool:
         return self.speed < 2e-3 and float(np.linalg.norm(self.tool.angular)) < 1e-2
