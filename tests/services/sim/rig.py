@@ -65,6 +65,12 @@ class Rig:
         self.run(2.0)
 
     @property
+    def reading(self) -> np.ndarray:
+        """Newest wrench (6,) [N, Nm] that the wrist sensor reads, in its axes."""
+        sample = self.last(topics.SENSOR_FT)
+        return np.concatenate((sample.force, sample.torque))
+
+    @property
     def height(self) -> float:
         return float(self.last(topics.STATE_EE).position[2])
 

@@ -30,3 +30,13 @@ def statics(position: np.ndarray, force: np.ndarray, torque: np.ndarray) -> np.n
     total = sum(f for f, _ in forces)
     about = torque + sum(np.cross(point - sensor.translation, f) for f, point in forces)
     return np.concatenate((sensor.rotation.T @ total, sensor.rotation.T @ about))
+
+
+def reads(reading: np.ndarray, wanted: np.ndarray) -> bool:
+    """Whether two wrenches (6,) agree within 1 % of the force and 2 % of the torque.
+
+    Torque is judged against the lever arm of the whole load at least, so that a vanishing one has a scale too.
+    """
+    force, torque = np.linalg.norm(wanted[:3]), np.linalg.norm(wanted[3:])
+    off = np.linalg.norm((reading - wanted)[:3]), np.linalg.norm((reading - wanted)[3:])
+    return bool(off[0] < 0.01 * force and off[1] < 0.02 * max(torque, 0.1 * force))
