@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -50,7 +51,7 @@ class Manner:
 def script(manner: Manner) -> str:
     """The TOML text that `sim/command hand` takes."""
     return "\n".join(
-        "\n".join(("[[phase]]", *(f"{name} = {_toml(value)}" for name, value in phase.items())))
+        "\n".join(("[[phase]]", *(f"{name} = {json.dumps(value)}" for name, value in phase.items())))
         for phase in _phases(manner)
     )
 
@@ -75,7 +76,3 @@ def _phases(manner: Manner) -> Iterator[dict[str, Any]]:
     if manner.waits:
         yield {"do": "wait", "until": "release", "patience": 120}
     yield {"do": "let_go"}
-
-
-def _toml(value: Any) -> str:
-    return f'"{value}"' if isinstance(value, str) else str(value)

@@ -7,9 +7,10 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any, Literal, NoReturn
 
 import typer
+from rich.table import Table
 
 from shared.parameters import Refused
 from shared.topics import Query
@@ -78,6 +79,15 @@ def ask(bus: Bus, query: Query, request: dict[str, Any], timeout: float = 3.0) -
         )
     except Refused as problem:
         refuse(f"{query.server} refused: {problem}", 1)
+
+
+def table(*columns: str, **options: Any) -> Table:
+    """An empty table without lines; a column whose name ends with > is set to the right."""
+    made = Table(box=None, pad_edge=False, header_style="bold", **options)
+    for name in columns:
+        justify: Literal["left", "right"] = "right" if name.endswith(">") else "left"
+        made.add_column(name.removesuffix(">"), justify=justify, vertical="bottom", overflow="fold")
+    return made
 
 
 def three(option: str, text: str) -> list[float]:

@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse, table
 from shared.loop.config import service_assignment, value_of
 from shared.topics import PARAMETER_QUERIES, Query
 
@@ -26,13 +26,13 @@ def get(
     service, _, wanted = name.partition(".")
     query = _query(service)
     with open_bus(robot, connect) as bus:
-        table = ask(bus, query, {})["parameters"]
+        parameters = ask(bus, query, {})["parameters"]
     if not wanted:
-        Console().print(_table(table))
+        Console().print(_table(parameters))
         return
-    if wanted not in table:
-        refuse(f"{name}: {service} has no such parameter; it has {', '.join(table)}")
-    typer.echo(shown(table[wanted]["value"]))
+    if wanted not in parameters:
+        refuse(f"{name}: {service} has no such parameter; it has {', '.join(parameters)}")
+    typer.echo(shown(parameters[wanted]["value"]))
 
 
 @app.command("set")
@@ -54,9 +54,9 @@ def set_(
         changes.setdefault(service, {})[parameter] = read(text)
     with open_bus(robot, connect) as bus:
         for service, values in changes.items():
-            table = ask(bus, QUERIES[service], {"set": values})["parameters"]
+            parameters = ask(bus, QUERIES[service], {"set": values})["parameters"]
             for parameter in values:
-                typer.echo(f"{service}.{parameter} = {shown(table[parameter]['value'])}")
+                typer.echo(f"{service}.{parameter} = {shown(parameters[parameter]['value'])}")
 
 
 def read(text: str) -> Any:
@@ -90,12 +90,10 @@ def _query(service: str) -> Query:
 
 
 def _table(parameters: dict[str, dict[str, Any]]) -> Table:
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("parameter", "value", "unit", "allowed", "meaning"):
-        table.add_column(name, overflow="fold")
+    shows = table("parameter", "value", "unit", "allowed", "meaning")
     for name, row in parameters.items():
-        table.add_row(name, shown(row["value"]), row["unit"], _range(row["min"], row["max"]), row["doc"])
-    return table
+        shows.add_row(name, shown(row["value"]), row["unit"], _range(row["min"], row["max"]), row["doc"])
+    return shows
 
 
 def _range(low: float | None, high: float | None) -> str:

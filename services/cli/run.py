@@ -16,7 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from services.cli.background import Background, NoResult
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Robot, Router, refuse, stop_event
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Robot, Router, refuse, stop_event, table
 from services.cli.progress import Progress
 from services.cli.stack.children import Children
 from services.cli.stack.lane import Lane
@@ -206,8 +206,8 @@ def _conclude(console: Console, folder: Path, work: Background[Report], failures
     except NoResult as problem:
         refuse(f"no report: {problem}; recordings and logs are in {folder}", 1)
     console.print(_claims(report.claims))
-    for table in report.tables[:1]:
-        console.print(figures_table(table))
+    for figures in report.tables[:1]:
+        console.print(figures_table(figures))
     for line in report.problems:
         console.print(f"note: {line}", highlight=False)
     failed = sum(not claim.passed for claim in report.claims) + len(failures)
@@ -221,27 +221,22 @@ def _conclude(console: Console, folder: Path, work: Background[Report], failures
 
 def _claims(claims: Sequence[Claim]) -> Table:
     """Claims under a heading per run: claim, figure, limit, pass or fail."""
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("claim", "measured", "required", ""):
-        table.add_column(name, overflow="fold")
-    last = None
+    shown, last = table("claim", "measured", "required", ""), None
     for claim in claims:
         if claim.run != last:
-            table.add_row(*([] if last is None else [""]))
-            table.add_row(Text(claim.run, style="bold"))
+            shown.add_row(*([] if last is None else [""]))
+            shown.add_row(Text(claim.run, style="bold"))
             last = claim.run
         mark = Text("pass", style="green") if claim.passed else Text("FAIL", style="bold red")
-        table.add_row(Text(f"  {claim.short}"), claim.figure, claim.limit, mark)
-    return table
+        shown.add_row(Text(f"  {claim.short}"), claim.figure, claim.limit, mark)
+    return shown
 
 
 def figures_table(found: Figures) -> Table:
     """A table of figures: names left, figures right."""
-    table = Table(
-        box=None, pad_edge=False, header_style="bold", title=f"\n{found.title}", title_justify="left"
-    )
-    for number, name in enumerate(found.head):
-        table.add_column(name, justify="right" if number else "left", vertical="bottom", overflow="fold")
+    first, *others = found.head
+    columns = (first, *(f"{name}>" for name in others))
+    shown = table(*columns, title=f"\n{found.title}", title_justify="left")
     for row in found.rows:
-        table.add_row(*row)
-    return table
+        shown.add_row(*row)
+    return shown

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.live import Live
 from rich.table import Table
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse, table
 from services.cli.health.watch import Watch
 from shared import topics
 from shared.clock import SteadyClock
@@ -26,16 +26,14 @@ Key = Annotated[str, typer.Argument(help="Key without the robot, such as wrench/
 @app.command("list")
 def list_topics() -> None:
     """Every topic of the contract: key, who publishes it, nominal rate, fields with units."""
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("key", "publisher", "rate [Hz]", "fields"):
-        table.add_column(name, overflow="fold")
+    shown = table("key", "publisher", "rate [Hz]", "fields")
     for topic in (*topics.TOPICS, topics.health_topic("<service>")):
         fields = ", ".join(
             f"{name} [{kind.unit}]" if kind.unit else name for name, kind, _ in topic.message.kinds()
         )
         rate = f"{topic.rate:g}" if topic.rate else "on change"
-        table.add_row(topic.key, topic.publisher, rate, fields)
-    Console().print(table)
+        shown.add_row(topic.key, topic.publisher, rate, fields)
+    Console().print(shown)
 
 
 @app.command()
@@ -96,25 +94,21 @@ def hz(
             except KeyboardInterrupt:
                 return
         time.sleep(seconds)
-        table = _rates(listening, key)
-        if not table.row_count:
+        rates = _rates(listening, key)
+        if not rates.row_count:
             refuse(f"nothing heard on {robot}/{key or '**'} for {seconds:g} s: is a stack running there?", 1)
-        Console().print(table)
+        Console().print(rates)
 
 
 def _rates(watch: Watch, only: str) -> Table:
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("key")
-    for name in ("measured [Hz]", "nominal [Hz]", "age [ms]", "rejected"):
-        table.add_column(name, justify="right")
-    table.add_column("publisher")
+    shown = table("key", "measured [Hz]>", "nominal [Hz]>", "age [ms]>", "rejected>", "publisher")
     now = SteadyClock().now_ns()
     for key, subscription in watch.subscriptions.items():
         if (only and key != only) or (subscription.latest is None and not subscription.rejected):
             continue
         nominal = f"{subscription.topic.rate:g}" if subscription.topic.rate else "on change"
         rejected = subscription.rejected + subscription.out_of_order + subscription.second_session
-        table.add_row(
+        shown.add_row(
             key,
             f"{subscription.rate(now):.1f}",
             nominal,
@@ -122,7 +116,7 @@ def _rates(watch: Watch, only: str) -> Table:
             str(rejected),
             subscription.topic.publisher,
         )
-    return table
+    return shown
 
 
 def _readable(value: Any) -> Any:

@@ -8,6 +8,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from services.cli.common import table
 from services.cli.health.diagnose import Row, control_line, robot_line, task_line
 from services.cli.health.watch import Watch
 from services.cli.stack.children import Child
@@ -26,12 +27,8 @@ SHOWN_RATES: tuple[Topic, ...] = (
 
 def services_table(rows: list[Row], processes: Mapping[str, Child]) -> Table:
     """One line per service: process, health, loop."""
-    table = Table(box=None, pad_edge=False, header_style="bold", expand=False)
-    table.add_column("service")
-    if processes:
-        table.add_column("process")
-    for name in ("state", "loop", "p50", "p99", "overruns"):
-        table.add_column(name, justify="left" if name == "state" else "right")
+    columns = ("service", *(["process"] if processes else []), "state", "loop>", "p50>", "p99>", "overruns>")
+    shown = table(*columns)
     for row in rows:
         child = processes.get(row.service)
         cells = [Text(row.service, style="bold")]
@@ -50,8 +47,8 @@ def services_table(rows: list[Row], processes: Mapping[str, Child]) -> Table:
                 Text(f"{health.loop_p99_us:.0f} µs"),
                 Text(str(health.overruns)),
             ]
-        table.add_row(*cells)
-    return table
+        shown.add_row(*cells)
+    return shown
 
 
 def details(rows: list[Row]) -> list[Text]:
@@ -98,5 +95,5 @@ def _load(wrench: ExternalWrench, status: ControlStatus | None) -> str:
 
 def stack_view(rows: list[Row], watch: Watch, processes: Mapping[str, Child], head: str) -> RenderableType:
     """Everything that `tandem up` shows."""
-    table = services_table(rows, processes)
-    return Group(Text(head, style="bold"), Text(""), table, *details(rows), Text(""), *summary(watch))
+    services = services_table(rows, processes)
+    return Group(Text(head, style="bold"), Text(""), services, *details(rows), Text(""), *summary(watch))

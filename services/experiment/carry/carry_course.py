@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-
 from services.experiment.carry import carry_protocol as protocol
 from services.experiment.play.course import STANDING, STILL, Ask, Course, Run
 from services.experiment.play.observation import Observation
@@ -23,21 +21,19 @@ class CarrySequence(Course):
     """
 
     def __init__(self, run: Run, script: str | None = None) -> None:
-        super().__init__(run)
+        super().__init__(
+            run,
+            {
+                STANDING: self._stand,
+                "placing the person": self._place,
+                "starting the task": self._start,
+                "playing": self._play,
+            },
+        )
         self._script = protocol.SCRIPTS[run.name.rpartition("-")[2]] if script is None else script
         self._state = ""
         self._doing = ""
         self._ended: float | None = None
-
-    @property
-    def phases(self) -> Mapping[str, Callable[[float, Observation], list[Ask]]]:
-        """What to do in each phase."""
-        return {
-            STANDING: self._stand,
-            "placing the person": self._place,
-            "starting the task": self._start,
-            "playing": self._play,
-        }
 
     def _stand(self, now: float, seen: Observation) -> list[Ask]:
         return self.tare_when(seen.speed <= STILL, now, seen)

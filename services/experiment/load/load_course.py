@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-
 import numpy as np
 
 from services.experiment.load import load_protocol as protocol
@@ -22,19 +20,17 @@ class LoadSequence(Course):
     """Tares, takes up the pose, then plays the loads."""
 
     def __init__(self, run: Run) -> None:
-        super().__init__(run)
+        super().__init__(
+            run,
+            {
+                STANDING: self._stand,
+                "taking up the pose": self._take_up,
+                "playing": self._play,
+            },
+        )
         self._steady_since: float | None = None
         self._played = 0
         self._rest: np.ndarray | None = None
-
-    @property
-    def phases(self) -> Mapping[str, Callable[[float, Observation], list[Ask]]]:
-        """What to do in each phase."""
-        return {
-            STANDING: self._stand,
-            "taking up the pose": self._take_up,
-            "playing": self._play,
-        }
 
     def _stand(self, now: float, seen: Observation) -> list[Ask]:
         return self.tare_when(self._steady(now, seen, float("inf")), now, seen)

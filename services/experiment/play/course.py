@@ -63,16 +63,21 @@ class Ask:
 class Course(ABC):
     """Plays one run on what is seen. Call `step` about ten times a second until `done`.
 
-    Attributes:
+    Args:
         run: configuration that the stack must have.
+        phases: what to do in each phase after `WAITING`, given the time [s] and what is seen.
+
+    Attributes:
+        run: that is played.
         phase: what it does now, in words.
         start: time [s] at which the protocol's clock started, or None.
         events: what happened, in the caller's time.
         done: the run is complete.
     """
 
-    def __init__(self, run: Run) -> None:
+    def __init__(self, run: Run, phases: Mapping[str, Callable[[float, Observation], list[Ask]]]) -> None:
         self.run = run
+        self._phases = phases
         self.phase = WAITING
         self.start: float | None = None
         self.events: list[Event] = []
@@ -81,11 +86,6 @@ class Course(ABC):
         self._pending: Ask | None = None
         self._answer: dict[str, Any] | None = None
         self._tares = 0
-
-    @property
-    @abstractmethod
-    def phases(self) -> Mapping[str, Callable[[float, Observation], list[Ask]]]:
-        """What to do in each phase after `WAITING`, given the time [s] and what is seen."""
 
     def step(self, now: float, seen: Observation) -> list[Ask]:
         """One step at time `now` [s, any origin].
@@ -98,7 +98,7 @@ class Course(ABC):
         if self._pending is not None:
             self._await_answer(self._pending, now)
             return []
-        return self._wait(now, seen) if self.phase == WAITING else self.phases[self.phase](now, seen)
+        return self._wait(now, seen) if self.phase == WAITING else self._phases[self.phase](now, seen)
 
     def answered(self, answer: dict[str, Any]) -> None:
         """Takes the reply to the last `Ask` (a map with `ok`)."""

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from services.experiment.carry import carry_film as story
+from services.experiment.carry.carry_course import AFTERWARDS
 from services.experiment.carry.carry_film import Story, film_data
-from services.experiment.carry.carry_protocol import run
-from services.experiment.play.recording import Event, Recording
-from shared import topics
+from services.experiment.play.recording import Recording
 from shared.spatial import quaternion_from_vector
 
 END = 50.0
@@ -48,65 +47,26 @@ def turned(time: np.ndarray) -> np.ndarray:
     return np.array([quaternion_from_vector((angle, 0.0, 0.0)) for angle in angles])
 
 
-def recording() -> Recording:
-    """Each topic at a rate and with a beginning of its own."""
-
-    def every(period: float, begin: float = -5.0) -> np.ndarray:
-        return np.arange(begin, END, period)
-
-    def still(time: np.ndarray, *values: float) -> np.ndarray:
-        return np.tile(values, (len(time), 1))
-
-    world, joints, base, wrench = every(1 / 30), every(0.01), every(0.02), every(0.01)
-    task, target = every(0.2), every(0.2, 0.5)
-    columns = {
-        topics.SIM_WORLD: {
-            "time": world,
-            "panel.position": hands(world) - (0.57, 0.0, 0.0),
-            "panel.orientation": turned(world),
-            "hand.position": hands(world),
-            "hand.force": still(world, 0.0, 0.0, 7.0),
-            "hand.doing": told(world, 2),
-        },
-        topics.STATE_JOINTS: {
-            "time": joints,
-            "name": np.array([["torso_lift_joint", "arm_right_1_joint"]]),
-            "position": np.column_stack((joints, 2.0 * joints)),
-        },
-        topics.STATE_BASE: {"time": base, "position": still(base, 0.1, 0.2), "yaw": np.full(len(base), 0.3)},
-        topics.WRENCH_EXTERNAL: {
-            "time": wrench,
-            "force": still(wrench, 1.0, 2.0, -8.0),
-            "torque": still(wrench, 0.1, 0.2, 0.3),
-        },
-        topics.CONTROL_TARGET: {
-            "time": target,
-            "force_limit": still(target, 10.0, 10.0, 10.0),
-            "torque_limit": still(target, 0.5, 3.0, 3.0),
-            "nominal_force": still(target, 0.0, 0.0, -7.0),
-            "nominal_torque": still(target, 0.0, 0.0, 0.0),
-        },
-        topics.TASK_STATUS: {"time": task, "state": told(task, 1)},
-    }
-    meta = {"settings": run("certified", "omni").settings}
-    return Recording(meta, [Event(10.1, "covered")], {topic.key: series for topic, series in columns.items()})
-
-
-def test_film_data_are_on_one_time_base() -> None:
-    data = film_data(recording())
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_film_data_are_on_one_time_base(carried: Recording) -> None:
+    data = film_data(carried)
     time = data["time"]
     assert 0.0 <= time[0] < 0.04 and data["scene"] == "carry"
     single = {"scene", "parameters", "joint_names", "moment_times", "moment_captions"}
     assert {len(column) for name, column in data.items() if name not in single} == {len(time)}
-    # What was said last, at no time later than that.
-    late = time - data["joint_positions"][:, 0]
-    assert late.min() >= 0.0 and late.max() < 0.011
-    assert data["base"][5] == pytest.approx((0.1, 0.2, 0.3))
-    assert data["wrench"][-1] == pytest.approx((1.0, 2.0, -1.0, 0.1, 0.2, 0.3))
-    assert np.isnan(data["limit"][time < 0.5]).all() and np.isfinite(data["limit"][time > 0.6]).all()
-    assert time[data["covered"]][0] == pytest.approx(10.1, abs=0.05)
-    assert time[data["looking"]][[0, -1]] == pytest.approx((1.0, 8.0), abs=0.25)
-    assert time[data["person_holds"]][[0, -1]] == pytest.approx((10.0, 46.0), abs=0.1)
+    row = int(np.searchsorted(time, 30.0))
+    wrench = carried.newest("wrench/external", time, "force", "torque")[row]
+    nominal = carried.newest("control/target", time, "nominal_force", "nominal_torque")[row]
+    assert nominal[2] < -5.0 and data["wrench"][row] == pytest.approx(wrench - nominal)
+    asked = carried.time("control/target")[0]
+    assert asked > time[0] and np.array_equal(np.isnan(data["limit"]).all(axis=1), time < asked)
+    events = {event.name: event.time for event in carried.events}
+    assert time[data["covered"]][0] == pytest.approx(events["covered"], abs=0.05)
+    looked = (events.get("calibrating", events["searching"]), events["grasping"])
+    assert time[data["looking"]][[0, -1]] == pytest.approx(looked, abs=0.25)
+    held = (events["person: take_hold"], events["end"] - AFTERWARDS)
+    assert time[data["person_holds"]][[0, -1]] == pytest.approx(held, abs=0.25)
 
 
 def a_story(end: float = END) -> Story:

@@ -61,6 +61,12 @@ def test_an_absent_part_is_nan_and_never_zero(recording: Recording) -> None:
     assert "panel" not in recording.topics["sim/world"]
 
 
+def test_the_newest_of_a_topic_is_what_was_said_last_and_before_that_the_first(recording: Recording) -> None:
+    newest = recording.newest("state/joints", np.array([-1.0, 0.0, 0.49, 0.5, 9.0]), "position", "velocity")
+    np.testing.assert_array_equal(newest[:, 0], [10.0, 10.0, 10.0, 10.5, 10.5])
+    assert newest.shape == (5, 4)
+
+
 def test_survives_saving(recording: Recording, tmp_path: Path) -> None:
     recording.save(tmp_path / "run.npz")
     again = Recording.load(tmp_path / "run.npz")
