@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from dataclasses import MISSING
 from typing import Any
 
+import numpy as np
+
 from shared.messages import Header
 from shared.schema.fields import (
     Anything,
@@ -89,7 +91,7 @@ def _range(kind: Kind) -> str:
 def _absent(default: Any) -> str:
     if default is MISSING:
         return ""
-    if isinstance(default, tuple):
+    if isinstance(default, np.ndarray):
         return f"[{', '.join(f'{number:g}' for number in default)}] if absent"
     return f"{'empty' if default == '' else default} if absent"
 

@@ -19,6 +19,8 @@ M = TypeVar("M", bound=Record)
 ROBOT = "robot"
 """Publisher name of whatever process stands for the robot: the simulation or a hardware bridge."""
 ANYBODY = "*"
+LONGEST_REASON = 500
+"""Longest reason [characters] of a refused query."""
 MAP_CAP = 64 * 1024
 """Largest payload [bytes] of a query, and of every message that is not an image."""
 

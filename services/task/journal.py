@@ -113,6 +113,9 @@ class Journal:
             plain = json.loads(text)
             if not isinstance(plain, dict) or plain.get("version") != _VERSION:
                 raise ValueError(f"no entry of version {_VERSION}")
+            # They have defaults for an entry that is not written yet.
+            if missing := {"written", "boot"} - plain.keys():
+                raise ValueError(f"{min(missing)} is missing")
             return JournalEntry.from_plain(plain)
         except _UNREADABLE as problem:
             self.problem = f"the journal {what} is torn ({type(problem).__name__}: {str(problem)[:_SHOWN]})"

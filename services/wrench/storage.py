@@ -42,12 +42,14 @@ def load_payload(path: Path) -> IdentifiedPayload:
         Refused: if there is no such file or it holds something else; one line.
     """
     try:
-        return IdentifiedPayload.from_plain(tomllib.loads(path.read_text(encoding="utf-8")))
+        found = IdentifiedPayload.from_plain(tomllib.loads(path.read_text(encoding="utf-8")))
+        found.compensation()  # its products have to be finite too
+        return found
     except OSError as problem:
         raise Refused(f"payload {path}: {problem.strerror}; `tandem identify` makes such a file") from None
     except InvalidField as problem:
         raise Refused(f"payload {path}: {problem}; make the file anew with `tandem identify`") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+    except (ValueError, RecursionError) as problem:
         raise Refused(f"payload {path}: not TOML ({problem})") from None
 
 
@@ -74,7 +76,7 @@ class Journal:
             return {}
         try:
             entries = json.loads(self._path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as problem:
+        except (OSError, ValueError, RecursionError) as problem:
             self.problem = f"cannot read {self._path} ({problem}): starting without the last tare"
             return {}
         return entries if isinstance(entries, dict) else {}

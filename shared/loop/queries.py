@@ -10,7 +10,7 @@ from shared.parameters import Refused
 from shared.requests import ParameterRequest, ParameterTable
 from shared.schema.fields import InvalidField
 from shared.schema.records import Record
-from shared.topics import Query
+from shared.topics import LONGEST_REASON, Query
 from shared.wire.bus import OnRequest, Reply
 from shared.wire.codec import Rejected, decode_map, encode_map
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from shared.service import Service
 
 _WAITING_QUERIES = 32
-_LONGEST_REASON = 500
 _MALFORMED = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 """Errors that a request can cause which nobody expected. Requests come from anybody and must not end the service."""
 
@@ -88,4 +87,4 @@ def _granted(answer: Record) -> bytes:
 
 
 def _refused(reason: str) -> bytes:
-    return encode_map({"ok": False, "error": reason[:_LONGEST_REASON]})
+    return encode_map({"ok": False, "error": reason[:LONGEST_REASON]})

@@ -44,19 +44,24 @@ def _bounded(
     number: type, above: float = -math.inf, minimum: float = -math.inf, maximum: float = math.inf
 ) -> Any:
     """The type of a number within bounds, for a decoder."""
-    given = {"gt": above, "ge": minimum if above == -math.inf else -math.inf, "le": maximum}
+    given = {"gt": above, "ge": minimum, "le": maximum}
+    if above > -math.inf:  # a decoder takes one lower bound: the stricter one
+        del given["ge" if above >= minimum else "gt"]
     bounds: dict[str, Any] = {name: bound for name, bound in given.items() if abs(bound) < math.inf}
     return Annotated[number, Meta(**bounds)] if bounds else number
 
 
 def _range(above: float, minimum: float, maximum: float, unit: str, more: str = "more than") -> str:
     """Bounds in words."""
-    lower = (
-        f"{more} {above:g}" if above > -math.inf else f"at least {minimum:g}" if minimum > -math.inf else ""
-    )
-    upper = f"at most {maximum:g}" if maximum < math.inf else ""
-    both = f"{minimum:g} to {maximum:g}" if upper and lower.startswith("at least") else ""
-    return (both or ", ".join(part for part in (lower, upper) if part)) + (unit and f" {unit}")
+    if above > -math.inf:
+        words = [f"{more} {above:g}"]
+    elif minimum > -math.inf and maximum < math.inf:
+        return f"{minimum:g} to {maximum:g}" + (unit and f" {unit}")
+    else:
+        words = [f"at least {minimum:g}"] if minimum > -math.inf else []
+    if maximum < math.inf:
+        words.append(f"at most {maximum:g}")
+    return ", ".join(words) + (unit and f" {unit}")
 
 
 @dataclass(frozen=True)
@@ -95,7 +100,7 @@ class Number(Kind):
         return _bounded(float, self.above, self.minimum, self.maximum)
 
     def check(self, value: Any, name: str) -> float:
-        # The usual case; what is not a number compares false.
+        # The usual case; NaN compares false.
         if type(value) is float and self.above < value < math.inf and self.minimum <= value <= self.maximum:
             return value
         number = _finite(value, name)
@@ -255,7 +260,8 @@ class TextList(Kind):
             raise InvalidField(f"{name} is {shown(value)}, wanted a list of texts")
         if not all(isinstance(element, str) for element in value):
             raise InvalidField(f"{name} holds something else than text")
-        return tuple(value)
+        # A subclass, such as numpy's, is no text to an encoder.
+        return tuple(element if type(element) is str else str.__str__(element) for element in value)
 
 
 @dataclass(frozen=True)
@@ -280,6 +286,4 @@ class Anything(Kind):
 
 def decided(kind: Kind) -> bool:
     """Whether a value that a decoder has read as the kind's ``wire`` type needs no further check."""
-    return isinstance(kind, (Integer, Boolean, TextList, Bytes)) or (
-        isinstance(kind, Text) and bool(kind.choices)
-    )
+    return type(kind) in (Integer, Boolean, TextList, Bytes) or (type(kind) is Text and bool(kind.choices))

@@ -66,7 +66,7 @@ def _layout(declared: Mapping[str, Declared], decoded: bool) -> _Layout:
             row.append((name, kind.size, part))
             if not kind.any_finite and not (decoded and type(kind) is Vector):
                 special.append((part, kind))
-        elif decoded and isinstance(kind, Number):
+        elif decoded and type(kind) is Number:
             scalars.append(name)
         elif not (decoded and decided(kind)):
             others.append((name, kind))
@@ -78,7 +78,15 @@ class _Declaring(msgspec.StructMeta):
     """Makes a structure of the declared fields, and has each object checked that is built."""
 
     def __new__(mcls, name: str, bases: tuple[type, ...], namespace: dict[str, Any]) -> Any:
+        if any(getattr(base, "_declared", None) for base in bases):
+            raise TypeError(f"{name}: a record has its own fields only, and none of {bases[0].__name__}")
         declared = {key: value for key, value in namespace.items() if isinstance(value, Declared)}
+        for key, given in namespace.get("__annotations__", {}).items():
+            if key not in declared and "ClassVar" not in str(given):
+                raise TypeError(f"{name}.{key}: a field of a record is declared by of(...)")
+        for key, (kind, default) in declared.items():
+            if default is not MISSING:
+                declared[key] = Declared(kind, kind.check(default, f"{name}.{key}"))
         namespace["__annotations__"] = {key: kind.wire for key, (kind, _) in declared.items()}
         for key, (_, default) in declared.items():
             if default is MISSING:
@@ -231,7 +239,7 @@ class AnyMap(Kind):
     def check(self, value: Any, name: str) -> dict[str, Any]:
         if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
             raise InvalidField(f"{name} is {shown(value)}, wanted a map of names and values")
-        return value
+        return dict(value)
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from typing import Any, TypeVar
 
 from shared.clock import Clock, SteadyClock
 from shared.parameters import Refused
-from shared.schema.fields import InvalidField
+from shared.schema.fields import InvalidField, shown
 from shared.schema.records import Record
-from shared.topics import Query, Topic
+from shared.topics import LONGEST_REASON, Query, Topic
 from shared.wire.bus import Bus
 from shared.wire.codec import Rejected, decode_map, encode_map
 from shared.wire.publisher import Publisher
@@ -50,7 +50,11 @@ class Client:
         except Rejected as problem:
             raise Refused(f"{query.key} answered with something that is no map: {problem}") from None
         if answer.get("ok") is not True:
-            raise Refused(str(answer.get("error", f"{query.key} refused without a reason")))
+            reason = answer.get("error", f"{query.key} refused without a reason")
+            # Whoever serves it: one line, of bounded length.
+            raise Refused(
+                " ".join(reason.split())[:LONGEST_REASON] if isinstance(reason, str) else shown(reason)
+            )
         try:
             query.reply(asked, answer)
         except InvalidField as problem:

@@ -16,7 +16,7 @@ from shared.topics import MAP_CAP
 
 _TEXT_ONLY = {str}
 _MALFORMED = (ValueError, TypeError, OverflowError, RecursionError, msgspec.MsgspecError)
-"""Errors of a decoder that a payload can cause which nobody expected."""
+"""Errors of a decoder when a payload is not sound."""
 _SMALL_MAP = 15
 """So many entries of a map are counted in its first byte."""
 
@@ -86,6 +86,8 @@ def decode(message_class: type[M], payload: bytes, cap: int = MAP_CAP) -> tuple[
         header.settle(decoded=True)
         message.settle(decoded=True)
         return header, message
+    except InvalidField as problem:
+        raise Rejected(str(problem)) from None
     except _MALFORMED:
         data = decode_map(payload, cap)
     try:
@@ -110,7 +112,13 @@ def decode_map(payload: bytes, cap: int = MAP_CAP) -> dict[str, Any]:
         raise Rejected(_too_large(payload, cap))
     try:
         data = msgpack.unpackb(payload)
-    except (ValueError, msgpack.exceptions.UnpackException, OverflowError, TypeError) as problem:
+    except (
+        ValueError,
+        msgpack.exceptions.UnpackException,
+        OverflowError,
+        RecursionError,
+        TypeError,
+    ) as problem:
         raise Rejected(f"not MessagePack ({type(problem).__name__})") from None
     if not isinstance(data, dict) or not set(map(type, data)) <= _TEXT_ONLY:
         raise Rejected(f"{type(data).__name__}, wanted a map with text keys")

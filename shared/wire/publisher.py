@@ -38,5 +38,5 @@ class Publisher:
             self._next[topic.key] = sequence + 1
         stamp = self._clock.now_ns() if stamp is None else stamp
         self._bus.publish(
-            topic.key, Payload.of(message, Header.trusted(sequence, self.session, stamp, valid))
+            topic.key, Payload.of(message, Header.trusted(sequence, self.session, stamp, bool(valid)))
         )

@@ -281,11 +281,6 @@ def test_the_header() -> None:
     }
 
 
-def test_no_field_hides_behind_the_header() -> None:
-    header = {name for name, _, _ in Header.kinds()}
-    assert not any(header & {name for name, _, _ in topic.message.kinds()} for topic in TOPICS)
-
-
 def test_a_periodic_topic_may_be_read_for_three_periods_at_least() -> None:
     assert all(topic.max_age >= 3 / topic.rate - 1e-9 for topic in TOPICS if topic.rate)
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from shared.parameters import Refused
-from shared.schema.fields import InvalidField, Number, Text, Vector
+from shared.schema.fields import InvalidField, Number, Text, Vector, shown
 from shared.schema.records import Record, of
 from shared.spatial import Array
 
@@ -89,12 +89,14 @@ def _phase(number: int, table: Any) -> Phase:
         allowed = (*needed, "patience", "pause")
         unknown = next((name for name in table if name not in ("do", *allowed)), None)
         phase = Phase.from_plain(
-            {name: value for name, value in table.items() if name != unknown}, f"{where}: "
+            {name: table[name] for name in ("do", *allowed) if name in table}, f"{where}: "
         )
     except InvalidField as problem:
         raise Refused(str(problem)) from None
     if unknown is not None:
-        raise Refused(f"{where}: {unknown} is nothing that {phase.do} has; it has {', '.join(allowed)}")
+        raise Refused(
+            f"{where}: {shown(unknown)} is nothing that {phase.do} has; it has {', '.join(allowed)}"
+        )
     missing = next((name for name in needed if name not in table and name != "speed"), None)
     if missing is not None:
         raise Refused(f"{where}: {missing} is missing; {phase.do} needs it")

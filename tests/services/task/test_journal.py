@@ -91,6 +91,7 @@ TORN: dict[str, Callable[[Path], object]] = {
     "nested": rewritten(lambda text: "[" * 4000),
     "huge": rewritten(lambda text: " " * 10_000_000),
     "field missing": rewritten(lambda text: text.replace('"home"', '"house"')),
+    "never written": rewritten(lambda text: text.replace('"written"', '"wrote"')),
     "null": changed(home=None),
     "text for a number": changed(nominal="heavy"),
     "NaN": changed(mass=float("nan")),

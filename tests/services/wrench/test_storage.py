@@ -37,6 +37,8 @@ def test_payload_comes_back_as_it_was(tmp_path: Path) -> None:
         ("com = [", "com = [nan, 0.0, 0.0] # ", "com is nan, wanted a finite number"),
         ("noise = [", "noise = [-1.0, 1, 1, 1, 1, 1] # ", "wanted every element at least 0 N, Nm"),
         ("com = [", "com = ", "not TOML"),
+        ("mass = ", "mass = " + "[" * 5000 + "#", "not TOML"),
+        ("com = [", "com = [1.7e308, 1.7e308, 1.7e308] # ", "wanted a finite number"),
     ],
 )
 def test_bad_payload_file_is_refused(tmp_path: Path, old: str, new: str, reason: str) -> None:
@@ -75,6 +77,7 @@ def test_journal_of_another_configuration_is_not_used(tmp_path: Path) -> None:
         "",
         "garbage",
         "[]",
+        "[" * 100_000,
         '{"1": 3}',
         '{"1": {"payload": "", "compensation": {"kind": "tare", "bias": [1.0]}}}',
     ],

@@ -37,6 +37,7 @@ def test_values_and_defaults() -> None:
         ('colour = "red"\n[[phase]]\ndo = "let_go"', "['colour', 'phase']"),
         ('[[phase]]\ndo = "dance"', "phase 1: do is 'dance', wanted one of wait, take_hold, lift"),
         ("[[phase]]\nspeed = 1", "phase 1: do is missing"),
+        ('[[phase]]\ndo = "wait"\nuntil = "grasp"\n"a\\nb" = 1', "is nothing that wait has"),
         ("[[phase]]\ndo = [1]", "phase 1: do is [1], wanted text"),
         (
             '[[phase]]\ndo = "let_go"\n[[phase]]\ndo = "lift"\nheight = "high"',
@@ -48,7 +49,7 @@ def test_values_and_defaults() -> None:
         ('[[phase]]\ndo = "lift"', "height is missing; lift needs it"),
         (
             '[[phase]]\ndo = "lift"\nheight = 0.1\nby = [1, 2, 3]',
-            "by is nothing that lift has; it has height",
+            "'by' is nothing that lift has; it has height",
         ),
         ('[[phase]]\ndo = "move"\nby = [1, 2]', "by has 2 elements, wanted 3"),
         ('[[phase]]\ndo = "move"\nby = [1, 2, 99]', "by is [1.0, 2.0, 99.0], wanted every element -5 to 5 m"),
