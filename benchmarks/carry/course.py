@@ -22,7 +22,7 @@ PATIENCE = 12.0
 LOOKS, ENDS = 1.0, 1.0
 """Time [s] until the person says `resume`, and from then on until `start`: less than the course waits for a task that
 holds."""
-MOST_WORDS = 4
+MOST_WORDS = 4  # that the person says in all
 MOST_RELEASES = 2
 """The second one opens the gripper at once."""
 ALONE = 6.0

@@ -20,12 +20,12 @@ from shared.wire.client import Client
 from shared.wire.subscription import Subscription
 from shared.wire.zenoh import ZenohBus
 
-# Tilts about base x and y as shares of the angle: once around, each a short way from the last.
 TILTS = ((0, 0), (1, 0), (0.7, 0.7), (0, 1), (-0.7, 0.7), (-1, 0), (-0.7, -0.7), (0, -1), (0.7, -0.7), (0, 0))
-STILL = 0.003  # [m/s], [rad/s]
+"""Tilts about base x and y as shares of the angle: once around, each a short way from the last."""
+STILL = 0.003  # [m/s], [rad/s]: a slower tool counts as still
 STILL_FOR = 1.0  # [s]
 GIVEN_UP_AFTER = 4.0  # [s] of standing still far from the pose: a joint is at its end
-ATTEMPTS = 4
+ATTEMPTS = 4  # at one measurement, which a hiccup may spoil
 AVERAGED = 1.5  # [s] that the wrench service may take for one pose
 REACH_WITHIN = 60.0  # [s] per pose
 ARRIVED = 0.15  # [rad]: the pose itself does not matter, only that the orientations differ

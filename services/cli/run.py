@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from services.experiment.report.report import Report
 
 POLL = 0.1  # [s]
-INTERRUPTED = 130
+INTERRUPTED = 130  # exit status, as of a shell after Ctrl-C
 FILM_WITHIN, REPORT_WITHIN = 300.0, 600.0  # [s]
 
 app = typer.Typer(help="Play an experiment with real processes and write its report.")

@@ -15,7 +15,7 @@ from types import TracebackType
 
 from shared.processes import process_named
 
-KEPT_LINES = 200
+KEPT_LINES = 200  # of a process's output, for whoever asks how it ended
 STOP_PATIENCE = 3.0  # [s] after SIGTERM, before SIGKILL; every service promises 2 s
 _DIE_WITH_PARENT = """
 import ctypes, os, signal, sys

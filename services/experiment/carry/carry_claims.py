@@ -22,21 +22,22 @@ from shared.spatial import GRAVITY
 BEFORE = ("idle", "calibrating", "searching", "approaching", "grasping")
 STATES = (*BEFORE, "carrying", "releasing", "retreating", "done")
 DOINGS = ("wait", "take_hold", "lift", "move", "turn", "lower", "wait", "let_go")
+"""What the person is about in a carry that is finished, in order; `STATES` are the task's."""
 LETTING_GO = ("", "releasing", "retreating")
 """The fingers open in releasing; they may be said to be open in retreating only. Not to let go at all is no drop."""
 UNSUPPORTED = 0.05  # [s]: a sample or two
 DESCENT = 0.5  # [m/s]: twice as fast as the tool can go, the speed after 13 mm of falling
-TILT = math.radians(15.0)
-FORCE = 25.0  # [N]
-GROUND = 0.5 * PANEL_MASS * GRAVITY  # [N]
-ROUNDING = 1e-6  # [N, Nm]
-UPRIGHT, LEVEL = math.radians(15.0), math.radians(6.0)
-STAYS, LEANS = 0.02, math.radians(5.0)  # [m, rad]
+TILT = math.radians(15.0)  # [rad] of the long axis off the horizontal
+FORCE = 25.0  # [N] that a person gives with ease
+GROUND = 0.5 * PANEL_MASS * GRAVITY  # [N] half of the weight
+ROUNDING = 1e-6  # [N, Nm] by which equal limits may differ
+UPRIGHT, LEVEL = math.radians(15.0), math.radians(6.0)  # [rad] the task's own thresholds
+STAYS, LEANS = 0.02, math.radians(5.0)  # [m, rad] that a panel left alone may move and lean
 OVER, FAR_OVER = 0.15, 0.01  # shares of the time
-RESTS = 3.0  # [s] in all
+RESTS = 3.0  # [s] in all: less shows nothing
 JUDGED = 0.8  # share of the time without brakes
-BREAKS = 2.0  # limits
-DEARER = 1.25
+BREAKS = 2.0  # limits that the baseline reaches at least
+DEARER = 1.25  # times the force and work: about what noise and timing do
 
 
 def _listed(values: Sequence[float]) -> str:

@@ -29,7 +29,7 @@ class Measures:
 
     Attributes:
         states: of the task, in order, each with the time at which it was first heard.
-        doings: the same of what the person was about.
+        doings: what the person was about, in order, each with the time at which it began.
         reason: what the task said of its last state.
         held: from when to when the gripper held the panel.
         let_go_in: state of the task when the gripper let go; "" if it never did.

@@ -16,18 +16,18 @@ from services.experiment.play.course import Run
 
 PANEL_SIZE = (1.2, 0.6, 0.05)  # length, width, thickness [m]
 PANEL_MASS = 1.5  # [kg]
-MARKER = 7
+MARKER = 7  # number of the printed marker
 MARKER_SIZE = 0.15  # [m]
 MARKER_POSITION = (-0.35, 0.0)  # [m] from the panel's centre: 0.25 m from the edge that is grasped
-FORCE_LIMIT = (10.0, 10.0, 10.0)  # [N]
-TORQUE_LIMIT = (0.5, 3.0, 3.0)  # [Nm]
-PAYLOAD = Path(__file__).with_name("gripper.toml")
+FORCE_LIMIT = (10.0, 10.0, 10.0)  # [N], the paper's
+TORQUE_LIMIT = (0.5, 3.0, 3.0)  # [Nm], the paper's
+PAYLOAD = Path(__file__).with_name("gripper.toml")  # the empty gripper, identified
 END_AT = 150.0  # [s] at the latest; earlier when the robot has gone back and the person has let go
 EXPECTED = 65.0  # [s] that it takes if nothing goes wrong, for the progress
 RATE = 100.0  # [Hz] of the force-torque sensor
 LAWS = ("certified", "paper", "stiffness")
 BASES = {"omni": "omnidirectional base", "differential": "differential base", "none": "arm only"}
-FILMED = "certified-omni"
+FILMED = "certified-omni"  # the run that the film shows
 
 
 @dataclass(frozen=True)

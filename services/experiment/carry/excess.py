@@ -64,7 +64,7 @@ class Wrenches:
         )
 
     def at(self, chosen: np.ndarray) -> Wrenches:
-        """Those of the chosen samples (n,) alone."""
+        """The wrench at the chosen samples (n,) alone."""
         return Wrenches(*(getattr(self, field.name)[chosen] for field in fields(self)))
 
     @property
@@ -109,14 +109,15 @@ class Excess:
         braked_peak: largest |w - nominal| / limit in the rest; 0 if there is none.
         peaks: largest |w - nominal| / limit of each axis (6,).
         over: share of the time with any axis over its limit.
-        over_each: the same of each axis (6,).
-        surely_over: the same with the error bound taken off.
+        over_each: share of the time with each axis (6,) over its limit.
+        surely_over: share of the time with any axis over its limit by more than the error bound.
         far_over: share of the time with any axis over FAR_OVER limits.
         resting: seconds in which neither the hands nor the base moved.
         resting_peak: the largest (|w - nominal| - error bound) / limit in them; NaN if there were none.
         fastest: largest speed [m/s] and turning rate [rad/s] of the hands relative to the base.
         used: largest share that a sure excess takes of what the motion allows; NaN where nothing is certified.
-        allowed: the largest peak / limit of each axis (6,) that the motion accounts for at any time; NaN likewise.
+        allowed: the largest peak / limit of each axis (6,) that the motion accounts for at any time; NaN where
+            nothing is certified.
     """
 
     judged: float

@@ -14,16 +14,13 @@ from services.experiment.load.load_protocol import FORCE_LIMIT, LIGHT
 from services.experiment.measure.claim import Claim, Row
 from services.experiment.play.course import Run
 
-HOLD_WITHIN = 0.010  # [m]
+HOLD_WITHIN = 0.010  # [m] that the light bag may move the tool
 SAG_AT_LEAST = 0.1  # [m]: "sags by decimetres"
-RETURN_WITHIN = 0.010  # [m]
+RETURN_WITHIN = 0.010  # [m] off the pose after the bag was taken off
 STEADY_WITHIN = 1.0  # [N]: twice the sensor's error bound
-LEAST_WAY = (
-    0.4  # share of the way without brakes: with a fifth taken off, a swing's middle half is still seen
-)
+LEAST_WAY = 0.4
+"""Share of the way without brakes: with a fifth taken off, a swing's middle half is still seen."""
 SPEED_SLACK = 1.05  # the tool's tracking may overshoot the commanded speed by this factor
-
-
 SAGS, HOLDS = f"cannot hold {LIGHT:.0f} N: sags", f"holds {LIGHT:.0f} N: tool z moves"
 TEXTS = {
     SAGS: f"the baseline cannot hold {LIGHT:.0f} N: it sags by decimetres",

@@ -25,7 +25,7 @@ class Page:
         claims: all of them; those of one run together.
         tables: under the claims; rows of one name stand together, and their second column names them.
         figures: SVG or PNG files with captions; they are embedded.
-        films: the same of what stands at the top; what is no picture is linked.
+        films: what stands at the top, with captions; a picture is embedded, a film linked.
         facts: about all runs.
         files: CSV files of each run, which are linked.
         notes: how to read it.
