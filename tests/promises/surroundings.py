@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import msgpack
 
 from shared.clock import SteadyClock
 from shared.messages import Health
-from shared.topics import SENSOR_CAMERA, Topic
+from shared.topics import Topic
 from shared.wire.bus import NoReply
 from shared.wire.codec import decode
 from shared.wire.subscription import Received
 from shared.wire.zenoh import ZenohBus
-from tests.support.stand_in import Spoil, StandIn, every_spoilt
-from tests.support.wait import eventually, throughout
+from tests.support.stand_in import Spoil, StandIn, altered, every_spoilt
+from tests.support.wait import eventually
 
 if TYPE_CHECKING:
     from tests.promises.subjects import Subject
@@ -36,41 +35,29 @@ class Surroundings(StandIn):
 
     Attributes:
         heard: by key, every message that the subject has published.
-        strange: by key, fields of a second publisher's messages, sent behind each of the first one's.
         missed: by key, how many spoilt payloads were not counted.
     """
 
     def __init__(self, endpoint: str, subject: Subject) -> None:
         super().__init__(endpoint, subject.name)
         self.subject = subject
+        self.plays = subject.world(self)
         self.heard: dict[str, list[Received[Any]]] = {
             topic.key: self.hear(topic) for topic in subject.outputs
         }
-        self.strange: dict[str, dict[str, Any]] = {}
         self.missed: dict[str, int] = {}
         self._other = ZenohBus(connect=endpoint)
-        self._says = subject.world(self)
 
-    def turn(self, number: int) -> None:
-        for topic, message in self._says(number):
-            if topic is SENSOR_CAMERA and not self.bus.wanted(topic.key):
-                continue
-            self.client.publish(topic, message)
-            if topic.key in self.strange:
-                self._other.publish(topic.key, self._altered(topic, session=1, **self.strange[topic.key]))
+    def second_session(self, topic: Topic, **fields: Any) -> Spoil:
+        """Somebody else publishes beside the first one, who would be believed if he said that."""
+        decode(topic.message, altered(self.sent[topic.key], **fields), topic.cap)
 
-    def _altered(self, topic: Topic, **fields: Any) -> bytes:
-        return msgpack.packb({**msgpack.unpackb(self.sent[topic.key]), **fields})
+        def both(payload: bytes) -> Iterator[bytes]:
+            yield payload
+            # Behind the first one: whoever speaks after a silence has the topic.
+            self._other.publish(topic.key, altered(payload, session=1, **fields))
 
-    @contextmanager
-    def second_session(self, strange: dict[Topic, dict[str, Any]]) -> Iterator[None]:
-        """Somebody else publishes on the same topics what would be accepted of the first one."""
-        for topic, fields in strange.items():
-            eventually(lambda key=topic.key: key in self.sent, message=f"{topic.key} sent")
-            decode(topic.message, self._altered(topic, **fields), topic.cap)
-        self.strange = {topic.key: fields for topic, fields in strange.items()}
-        yield
-        self.strange = {}
+        return both
 
     def __exit__(self, *problem: object) -> None:
         super().__exit__(*problem)
@@ -99,10 +86,6 @@ class Surroundings(StandIn):
         latest = self.fresh()
         return latest is not None and not latest.header.valid and self.subject.rests(latest.message)
 
-    def rests(self) -> bool:
-        """Whether the newest output moves nothing, fresh or not."""
-        return self.subject.rests(self.said(self.subject.output))
-
     def break_off(self, topic: Topic, spoil: Spoil) -> None:
         """Have an input spoilt, and wait until the subject brakes for it."""
         self.spoil[topic.key] = spoil
@@ -113,11 +96,11 @@ class Surroundings(StandIn):
     def begun(self) -> None:
         """Let the subject work."""
         self.subject.begin(self)
-        eventually(self.works, PATIENCE, lambda: f"{self.subject.name} works: {self.words}")
+        self.goes_on("being asked")
 
-    def goes_on(self, why: str) -> None:
+    def goes_on(self, after: str) -> None:
         """It works by itself."""
-        eventually(self.works, PATIENCE, lambda: f"{self.subject.name} goes on after {why}: {self.words}")
+        eventually(self.works, PATIENCE, lambda: f"{self.subject} goes on after {after}: {self.words}")
 
     @property
     def words(self) -> str:
@@ -145,7 +128,6 @@ class Surroundings(StandIn):
 
     def counts_every_spoilt(self, *topics: Topic) -> None:
         """Send sound payloads in every way spoilt; the health counts each of them under its topic's key."""
-        eventually(lambda: all(topic.key in self.sent for topic in topics), message="something sound")
         payloads = {topic.key: every_spoilt(self.sent[topic.key]) for topic in topics}
 
         def counted() -> bool:
@@ -187,7 +169,3 @@ class Surroundings(StandIn):
                 if not sound(message, before)
             ]
             assert not wrong, f"{topic.key}: {wrong[0]}"
-
-    def never(self, condition: Callable[[], object], duration: float, what: str) -> None:
-        """Hold the opposite against every instant of a while [s]."""
-        throughout(lambda: not condition(), duration, what)

@@ -15,7 +15,7 @@ from tests.promises.surroundings import PATIENCE, Surroundings
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process
 from tests.support.stand_in import silently
-from tests.support.wait import eventually
+from tests.support.wait import eventually, throughout
 
 pytestmark = pytest.mark.processes
 
@@ -81,14 +81,14 @@ def test_says_what_is_missing_in_whatever_order_it_comes_and_ends_with_a_last_wo
         process = launch(subject, shared_router.endpoint)
         for topic in subject.required:
             around.names(f"waiting for {topic.key}: never received. Is {topic.publisher} running?")
-            around.never(around.works, 0.3, f"no work without {topic.key}")
+            throughout(lambda: not around.works(), 0.3, f"no work without {topic.key}")
             del around.spoil[topic.key]
         around.begun()
         process.ends_in_time(signal.SIGINT)
         said = around.heard[(subject.last_word or subject.output).key]
         eventually(lambda: not said[-1].header.valid, message="a last word")
         if moves(subject):
-            assert around.rests()
+            assert subject.rests(around.said(subject.output))
         around.unharmed()
 
 

@@ -13,7 +13,7 @@ from tests.promises.subjects import SERVICES, Subject
 from tests.promises.surroundings import PATIENCE, Surroundings
 from tests.promises.worlds import STRANGE
 from tests.support.stand_in import Spoil, changed, late, silently
-from tests.support.wait import eventually
+from tests.support.wait import eventually, throughout
 
 pytestmark = pytest.mark.processes
 
@@ -69,7 +69,7 @@ def test_a_required_input_that_fails_brakes_in_time_and_recovers(
         around.break_off(topic, KINDS[kind]())
         onset, punctual = around.bus.last_sent_ns[topic.key], around.lateness < ON_TIME
         around.names(topic.key)
-        around.never(around.works, 0.3, "it stays so")
+        throughout(lambda: not around.works(), 0.3, "it stays so")
         around.spoil.clear()
         around.goes_on(kind)
         if punctual:
@@ -98,11 +98,13 @@ def test_a_second_session_of_any_input_is_refused_and_counted(around: Surroundin
     strange = {topic: STRANGE[topic] for topic in around.subject.inputs if ANYBODY not in topic.publishers}
     before = around.next_report().inputs
 
-    with around.second_session(strange):
-        for topic in strange:
-            eventually(
-                lambda key=topic.key: around.refused(key) >= before[key].rejected + 5, PATIENCE, topic.key
-            )
+    for topic, fields in strange.items():
+        eventually(lambda key=topic.key: key in around.sent, message=f"{topic.key} sent")
+        around.spoil[topic.key] = around.second_session(topic, **fields)
+    for topic in strange:
+        counted = before[topic.key].rejected + 5
+        eventually(lambda key=topic.key, n=counted: around.refused(key) >= n, PATIENCE, topic.key)
+    around.goes_on("a second session")
     for topic in strange:
         assert around.report.inputs[topic.key].hz <= 1.3 * max(before[topic.key].hz, 10.0)
 
@@ -110,10 +112,13 @@ def test_a_second_session_of_any_input_is_refused_and_counted(around: Surroundin
 @every(lambda subject: STOP in subject.inputs)
 def test_a_stop_lasts_until_a_valid_release(around: Surroundings) -> None:
     around.client.publish(STOP, Stop(True, "hand in the way"))
-    eventually(around.rests, PATIENCE, lambda: f"at rest: {around.words}")
+    output = around.subject.output
+    eventually(
+        lambda: around.subject.rests(around.said(output)), PATIENCE, lambda: f"at rest: {around.words}"
+    )
     around.names("hand in the way")
     around.client.publish(STOP, Stop(False, "nobody"), valid=False)
-    around.never(around.works, 0.5, "it stays stopped")
+    throughout(lambda: not around.works(), 0.5, "it stays stopped")
     around.client.publish(STOP, Stop(False))
     around.begun()
 
@@ -121,9 +126,9 @@ def test_a_stop_lasts_until_a_valid_release(around: Surroundings) -> None:
 @every(lambda subject: subject.latches)
 def test_a_failed_sensor_is_latched_until_somebody_releases_it(around: Surroundings) -> None:
     around.break_off(WRENCH_EXTERNAL, changed(valid=False, fault="silent"))
-    around.never(around.works, 0.5, "for longer than it takes to latch")
+    throughout(lambda: not around.works(), 0.5, "for longer than it takes to latch")
     around.spoil.clear()
     around.names("silent", "tandem resume")
-    around.never(around.works, 1.0, "it stays at rest")
+    throughout(lambda: not around.works(), 1.0, "it stays at rest")
     around.client.publish(STOP, Stop(False, "resume"))
     around.goes_on("a release")

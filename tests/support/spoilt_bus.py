@@ -30,11 +30,10 @@ class SpoiltBus(ZenohBus):
 
     def publish(self, key: str, payload: bytes) -> None:
         """Send what ``spoil`` makes of a payload."""
-        spoilt = tuple(self.spoil(key, payload)) if self.spoil else (payload,)
-        for sent in spoilt:
+        for sent in self.spoil(key, payload) if self.spoil else (payload,):
             super().publish(key, sent)
-        if payload in spoilt:
-            self.last_sent_ns[key] = time.monotonic_ns()
+            if sent == payload:
+                self.last_sent_ns[key] = time.monotonic_ns()
 
 
 def live(service: Service, bus: ZenohBus, ended: Callable[[], bool]) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import threading
 import time
-from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any, Self, TypeVar
@@ -13,7 +12,7 @@ from typing import Any, Self, TypeVar
 import msgpack
 
 from shared.schema.records import Record
-from shared.topics import Topic, health_topic
+from shared.topics import SENSOR_CAMERA, Topic, health_topic
 from shared.wire.client import Client
 from shared.wire.subscription import Received
 from tests.support.spoilt_bus import SpoiltBus
@@ -22,6 +21,7 @@ M = TypeVar("M", bound=Record)
 PERIOD = 0.01
 Spoil = Callable[[bytes], Iterable[bytes]]
 """What is sent in place of a payload."""
+Says = Callable[[int], Iterable[tuple[Any, ...]]]
 HEADER = ("seq", "session", "stamp", "valid")
 
 
@@ -29,9 +29,14 @@ def silently(_payload: bytes) -> tuple[()]:
     return ()
 
 
+def altered(payload: bytes, **fields: object) -> bytes:
+    """The payload with some of its fields replaced."""
+    return msgpack.packb({**msgpack.unpackb(payload), **fields})
+
+
 def changed(**fields: object) -> Spoil:
-    """Replaces fields of a map."""
-    return lambda payload: (msgpack.packb({**msgpack.unpackb(payload), **fields}),)
+    """Replaces fields of every payload."""
+    return lambda payload: (altered(payload, **fields),)
 
 
 def late(delay: float) -> Spoil:
@@ -81,12 +86,14 @@ def every_spoilt(payload: bytes) -> list[bytes]:
     return [*map(msgpack.packb, maps), *broken]
 
 
-class StandIn(ABC):
+class StandIn:
     """A participant that publishes from a thread of its own for as long as it is entered.
 
     Args:
         endpoint: of the router.
         service: the one under test.
+        plays: topic and message, and whether it is valid, of what is due in the turn of a number; pictures are
+            published only while somebody subscribes.
         period: between two turns [s].
 
     Attributes:
@@ -97,11 +104,13 @@ class StandIn(ABC):
         lateness: greatest delay of a turn [s]; a test may set it back.
     """
 
-    def __init__(self, endpoint: str, service: str, period: float = PERIOD) -> None:
-        self.bus = SpoiltBus(endpoint)
-        self.bus.spoil = self._spoilt
+    def __init__(
+        self, endpoint: str, service: str, plays: Says = lambda number: (), period: float = PERIOD
+    ) -> None:
+        self.bus = SpoiltBus(endpoint, self._spoilt)
         self.client = Client(self.bus)
         self.health = self.client.watch(health_topic(service))
+        self.plays = plays
         self.spoil: dict[str, Spoil] = {}
         self.sent: dict[str, bytes] = {}
         self.turns = 0
@@ -109,10 +118,6 @@ class StandIn(ABC):
         self._period = period
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run)
-
-    @abstractmethod
-    def turn(self, number: int) -> None:
-        """Publish what is due."""
 
     def hear(self, topic: Topic[M]) -> list[Received[M]]:
         """Every message of a topic from now on, in a list that grows."""
@@ -142,7 +147,9 @@ class StandIn(ABC):
         while not self._ended.wait(max(0.0, due - time.monotonic())):
             self.lateness = max(self.lateness, time.monotonic() - due)
             self.turns += 1
-            self.turn(self.turns - 1)
+            for topic, message, *valid in self.plays(self.turns - 1):
+                if topic is not SENSOR_CAMERA or self.bus.wanted(topic.key):
+                    self.client.publish(topic, message, *valid)
             # What a held-up machine has missed is left out: made up for in one burst, it would be a flood.
             due = max(due + self._period, time.monotonic())
 

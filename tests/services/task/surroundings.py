@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 
-from services.task.geometry import Pose
 from shared.messages import ControlTarget, TaskStatus
 from shared.parameters import Refused
-from shared.topics import CONTROL_TARGET, SENSOR_CAMERA, TASK_COMMAND, TASK_STATUS
+from shared.schema.records import Record
+from shared.topics import CONTROL_TARGET, SENSOR_CAMERA, TASK_COMMAND, TASK_STATUS, Topic
 from shared.wire.subscription import Received
 from tests.services.task.robot import TICK, Robot
 from tests.support.stand_in import StandIn
@@ -22,31 +22,26 @@ class Surroundings(StandIn):
 
     Attributes:
         leads: whether the person does what the task waits for.
-        path: of the tool.
-        pictures: how many the camera has taken; it does so only while somebody subscribes.
     """
 
     def __init__(self, endpoint: str) -> None:
-        super().__init__(endpoint, "task", TICK)
+        super().__init__(endpoint, "task", self._act, TICK)
         self.robot = Robot(self.client.watch)
         self.leads = False
-        self.path: list[Pose] = []
-        self.pictures = 0
 
-    def turn(self, number: int) -> None:
+    def _act(self, number: int) -> list[tuple[Topic, Record, bool]]:
         if self.leads:
             self.robot.person()
-        messages = self.robot.tick(number)
-        self.path.append(self.robot.toy.tool)
-        for topic, message, valid in messages:
-            if topic is SENSOR_CAMERA:
-                if not self.looked_at():
-                    continue
-                self.pictures += 1
-            self.client.publish(topic, message, valid)
+        return self.robot.tick(number)
 
     def looked_at(self) -> bool:
+        """Whether somebody wants pictures of the camera."""
         return self.bus.wanted(SENSOR_CAMERA.key)
+
+    @property
+    def pictured(self) -> int:
+        """When the camera took its last picture [ns]; 0 before the first."""
+        return self.bus.last_sent_ns[SENSOR_CAMERA.key]
 
     def ask(self, command: object) -> str:
         """The state after a command; asked again if the robot's state was too old just then."""
