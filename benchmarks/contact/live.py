@@ -7,7 +7,6 @@ measures whether the declared times held.
 
 from __future__ import annotations
 
-import threading
 import time
 from bisect import bisect_left
 from dataclasses import dataclass, field
@@ -62,15 +61,10 @@ class LiveRobot:
     def __init__(self, client: Client, sample_rate: float) -> None:
         self._client = client
         self._every = max(1, round(1.0 / (sample_rate * TICK)))
-        self._lock = threading.Lock()
-        self._arrived: Received[TwistCommand] | None = None
+        self._commands = client.watch(COMMAND_EE_TWIST)
+        self._taken: Received[TwistCommand] | None = None
         self._wrenches: list[float] = []
-        client.watch(COMMAND_EE_TWIST, self._arrive)
         client.watch(WRENCH_EXTERNAL, lambda wrench: self._wrenches.append(wrench.header.stamp * 1e-9))
-
-    def _arrive(self, command: Received[TwistCommand]) -> None:
-        with self._lock:
-            self._arrived = command
 
     def play(self, case: Case, patience: float) -> Measured:
         """Runs ``case`` in real time, from the first command that moves the robot, at most ``patience`` [s] later."""
@@ -88,7 +82,7 @@ class LiveRobot:
             if tick % self._every == 0:
                 error = bias + case.error_bound * rng.uniform(-0.5, 0.5, 6)
                 self._publish(case, robot, wrench + error, now, tick)
-                log.sampled(time.monotonic())
+                log.sent.append(time.monotonic())
             self._take(gate, log)
             # The tick that follows is executed with this twist, whatever arrives meanwhile.
             time.sleep(max(0.0, before + TICK - time.monotonic()))
@@ -110,10 +104,9 @@ class LiveRobot:
         return found
 
     def _take(self, gate: Gate, log: _Log) -> None:
-        with self._lock:
-            command, self._arrived = self._arrived, None
-        if command is not None:
-            message = command.message
+        command = self._commands.latest
+        if command is not None and command is not self._taken:
+            self._taken, message = command, command.message
             gate.command(message.linear, message.angular, message.ttl, command.delay, command.header.valid)
             wanted = np.concatenate((message.linear, message.angular))
             log.commanded(command.header.stamp * 1e-9, wanted, time.monotonic())
@@ -140,19 +133,19 @@ class _Log:
     All processes of a run share one steady clock, so their stamps can be compared: a command was made from the newest
     wrench before its stamp, and that from the newest sample before the wrench's. What was still on its way to the next
     process then is not seen, so a delay is what was measured or more.
+
+    Attributes:
+        held: longest time for which one command was executed [s].
+        sent: when each sample left [s].
     """
 
     def __init__(self, wrenches: list[float]) -> None:
         self.held = 0.0
         self._holding = 0.0
         self._wanted = np.zeros(6)
-        self._sent: list[float] = []
+        self.sent: list[float] = []
         self._wrenches = wrenches
         self._taken: list[tuple[float, float]] = []
-
-    def sampled(self, now: float) -> None:
-        """A sample leaves."""
-        self._sent.append(now)
 
     def commanded(self, stamp: float, wanted: Array, now: float) -> None:
         """A command with this stamp is taken over."""
@@ -171,7 +164,7 @@ class _Log:
         found = []
         for stamp, taken in self._taken:
             wrench = bisect_left(self._wrenches, stamp)
-            sample = bisect_left(self._sent, self._wrenches[wrench - 1]) if wrench > 0 else 0
+            sample = bisect_left(self.sent, self._wrenches[wrench - 1]) if wrench > 0 else 0
             if sample > 0:
-                found.append(taken - self._sent[sample - 1])
+                found.append(taken - self.sent[sample - 1])
         return found

@@ -27,6 +27,11 @@ WEIGHT = 1.5 * GRAVITY
 NOTHING = np.zeros(3)
 
 
+def phases(*tables: str) -> str:
+    """A script of the person, one phase after the other; entries are separated by semicolons."""
+    return "".join(f"[[phase]]\ndo = {table}\n".replace("; ", "\n") for table in tables)
+
+
 class Blocked(Panel):
     """A panel that does not move, whatever pushes it."""
 
@@ -42,6 +47,9 @@ class Bench:
         self.person = Person(Hands(60.0, 20.0))
         self.forces: list[float] = []
         self.torques: list[float] = []
+
+    def act(self, *tables: str) -> None:
+        self.person.act(read(phases(*tables)))
 
     def run(self, duration: float, gripped: bool = True) -> None:
         for _ in range(round(duration / STEP)):
@@ -95,11 +103,7 @@ def test_a_light_and_narrow_panel_does_not_spin_up_in_the_hands(
     size: tuple[float, float, float], mass: float
 ) -> None:
     bench = Bench(Panel(replace(SPEC, size=size, mass=mass, near_edge=(0.57, -0.39, 0.9))))
-    bench.person.act(
-        read(
-            '[[phase]]\ndo="take_hold"\n[[phase]]\ndo="lift"\nheight=0.3\n[[phase]]\ndo="turn"\nabout="x"\nangle=45'
-        )
-    )
+    bench.act('"take_hold"', '"lift"; height = 0.3', '"turn"; about = "x"; angle = 45')
     fastest = 0.0
     for _ in range(400):
         bench.run(0.02)
@@ -110,24 +114,22 @@ def test_a_light_and_narrow_panel_does_not_spin_up_in_the_hands(
 def test_a_weak_person_is_weak() -> None:
     bench = Bench(Blocked(SPEC))
     bench.person = Person(Hands(5.0, 1.0))
-    bench.person.act(
-        read('[[phase]]\ndo = "move"\nby = [2, 0, 0]\n[[phase]]\ndo = "turn"\nabout = "x"\nangle = 90')
-    )
+    bench.act('"move"; by = [2, 0, 0]', '"turn"; about = "x"; angle = 90')
     bench.run(50.0)
     assert max(bench.forces) <= 5.0 + 1e-9 and max(bench.torques) <= 1.0 + 1e-9
 
 
 def test_the_person_turns_a_blocked_panel_no_harder_than_is_enough() -> None:
     bench = Bench(Blocked(SPEC))
-    bench.person.act(read('[[phase]]\ndo = "turn"\nabout = "x"\nangle = 90'))
+    bench.act('"turn"; about = "x"; angle = 90')
     bench.run(30.0)
     assert 11.5 < max(bench.torques) < 13.0
 
 
 def test_the_person_waits_until_the_fingers_are_closed_and_gives_up_waiting() -> None:
-    script = '[[phase]]\ndo = "wait"\nuntil = "grasp"\npatience = 3\n[[phase]]\ndo = "take_hold"'
+    script = '"wait"; until = "grasp"; patience = 3', '"take_hold"'
     bench = Bench(Panel(SPEC))
-    bench.person.act(read(script))
+    bench.act(*script)
     bench.run(2.0, gripped=False)
     assert not bench.person.hands.holding
     bench.run(0.9, gripped=True)
@@ -135,7 +137,7 @@ def test_the_person_waits_until_the_fingers_are_closed_and_gives_up_waiting() ->
     bench.run(0.3, gripped=True)
     assert bench.person.hands.holding
     bench.person.hands.let_go()
-    bench.person.act(read(script))
+    bench.act(*script)
     bench.run(3.5, gripped=False)
     assert not bench.person.hands.holding
     bench.run(1.0, gripped=False)
@@ -144,7 +146,7 @@ def test_the_person_waits_until_the_fingers_are_closed_and_gives_up_waiting() ->
 
 def test_the_person_lifts_their_end_and_carries_half_the_weight() -> None:
     bench = Bench(Panel(SPEC))
-    bench.person.act(read('[[phase]]\ndo = "lift"\nheight = 0.05\nspeed = 0.05'))
+    bench.act('"lift"; height = 0.05; speed = 0.05')
     bench.run(4.0)
     # The near end lies on its trestle, a quarter of the length from its edge.
     arm = 0.3 + 0.6 - 0.03
@@ -172,7 +174,7 @@ def test_the_person_lowers_their_end_no_further_while_the_other_one_is_much_high
     panel = Blocked(SPEC)
     panel.body.rotation = rotation_from_vector((0.0, math.asin(higher / 1.2), 0.0))
     bench = Bench(panel)
-    bench.person.act(read('[[phase]]\ndo = "lower"\nspeed = 0.1'))
+    bench.act('"lower"; speed = 0.1')
     bench.run(0.1)
     start = bench.person.hands.position[2]
     bench.run(0.3)
@@ -181,9 +183,7 @@ def test_the_person_lowers_their_end_no_further_while_the_other_one_is_much_high
 
 def test_the_person_lets_go_gently() -> None:
     bench = Bench(Panel(SPEC))
-    bench.person.act(
-        read('[[phase]]\ndo = "move"\nby = [0.01, 0, -0.02]\npause = 0\n[[phase]]\ndo = "let_go"\npause = 0')
-    )
+    bench.act('"move"; by = [0.01, 0, -0.02]; pause = 0', '"let_go"; pause = 0')
     bench.run(5.0)
     assert not bench.person.hands.holding
     assert max(bench.forces) > 3.0 and bench.forces[-1] == 0.0
@@ -206,15 +206,15 @@ def test_the_world_shows_the_hands_once_the_person_is_asked() -> None:
 
 def test_the_world_tells_what_the_hands_want_and_what_they_have_if_they_let_go() -> None:
     rig = Rig(scene="carry")
-    rig.ask(command="hand", script='[[phase]]\ndo = "wait"\nuntil = "grasp"\npatience = 5')
+    rig.ask(command="hand", script=phases('"wait"; until = "grasp"; patience = 5'))
     rig.run(0.1)
     world = rig.last(topics.SIM_WORLD)
     assert world.hand.wanted == pytest.approx(world.hand.position)
     assert world.hand.wanted_orientation == pytest.approx(world.panel.orientation)
     assert world.hand.position == pytest.approx((0.57 + 1.2 - 0.03, -0.39, 0.78), abs=1e-3)
     # The near end lies on its trestle: what is wanted and what is there differ.
-    turn = '[[phase]]\ndo="lift"\nheight=0.1\npause=0\n[[phase]]\ndo="turn"\nabout="z"\nangle=20\npause=9'
-    rig.ask(command="hand", script=turn)
+    turn = '"lift"; height = 0.1; pause = 0', '"turn"; about = "z"; angle = 20; pause = 9'
+    rig.ask(command="hand", script=phases(*turn))
     rig.run(6.0)
     hands, hand = rig.simulator.world.panel_scene.person.hands, rig.last(topics.SIM_WORLD).hand
     assert hand.wanted == pytest.approx((1.74, -0.39, 0.88), abs=2e-3)
@@ -234,7 +234,7 @@ def test_a_hand_that_says_nothing_of_what_it_wants_is_read_all_the_same() -> Non
 def test_held_at_both_ends_the_wrist_carries_what_statics_say() -> None:
     rig = Rig(scene="carry", ft_noise=[0.0] * 6)
     rig.grasp()
-    rig.ask(command="hand", script='[[phase]]\ndo = "lift"\nheight = 0.15\nspeed = 0.1')
+    rig.ask(command="hand", script=phases('"lift"; height = 0.15; speed = 0.1'))
     for _ in range(30):
         rig.move((0, 0, 0.05), 0.1)
     rig.run(2.0)
@@ -262,7 +262,7 @@ def test_upright_it_stands_when_let_go_of_if_its_foam_is_stiff_enough(stiffness:
     bench.panel.supported = False
     bench.panel.body.rotation = rotation_from_vector((math.radians(89.8), 0.0, 0.0))
     bench.panel.body.position = np.array((1.0, 0.0, 0.30))
-    bench.person.act(read('[[phase]]\ndo = "lower"\n[[phase]]\ndo = "let_go"'))
+    bench.act('"lower"', '"let_go"')
     bench.run(12.0)
     assert not bench.person.hands.holding
     assert (bench.panel.body.rotation[2, 1] > 0.99) == stands
