@@ -21,6 +21,12 @@ from tests.support.wait import eventually
 
 MAX_LINEAR, MAX_ANGULAR = 0.25, 0.5
 """Speed limits [m/s, rad/s] that the controller is started with."""
+OPTIONS = {
+    # A loaded machine delays by more than a robot's: the tests of delay exceed this by far.
+    "wrench": ("--set", "max_delay=0.1"),
+    "controller": ("--set", "delay=0.1", "--set", "period=0.05"),
+}
+"""With which the services are started."""
 PATIENCE = 40.0
 """Longest wait [s] for what has to happen; spent only by a test that fails."""
 
@@ -79,21 +85,31 @@ class Chain(StandIn):
         self._state = state
         self.watch = Watch(self.client)
         self.paused = False
-        self.wrench = self.start_wrench()
-        self.controller = self.start_controller()
+        self.wrench = self.start("wrench")
+        self.controller = self.start("controller")
 
-    def start_wrench(self) -> Process:
-        # A loaded machine delays by more than a robot's: the tests of delay exceed this by far.
-        slack = ("--set", "max_delay=0.1")
+    def start(self, name: str) -> Process:
+        """One of the two services."""
         environment = {"XDG_STATE_HOME": str(self._state)}
-        return self.program("services.wrench", *slack, environment=environment)
+        return self.program(f"services.{name}", *OPTIONS[name], environment=environment)
 
-    def start_controller(self) -> Process:
-        return self.program("services.controller", "--set", "delay=0.1", "--set", "period=0.05")
+    def lose(self, name: str, number: signal.Signals) -> None:
+        """Send a signal to a service or the router that ends it or lets it hang."""
+        self._process(name).signal(number)
+        if number == signal.SIGKILL:
+            self._process(name).wait()
 
-    def replace_router(self) -> None:
-        """Another router in the place of one that was killed."""
-        self._start("services.router", "--listen", self.router.endpoint).wait_for_output("listening")
+    def bring_back(self, name: str, number: signal.Signals) -> None:
+        """Start another one in the place of one that was killed, or wake it."""
+        if number == signal.SIGSTOP:
+            self._process(name).signal(signal.SIGCONT)
+        elif name == "router":
+            self._start("services.router", "--listen", self.router.endpoint).wait_for_output("listening")
+        else:
+            setattr(self, name, self.start(name))
+
+    def _process(self, name: str) -> Process:
+        return {"router": self.router.process, "wrench": self.wrench, "controller": self.controller}[name]
 
     def program(self, module: str, *options: str, environment: dict[str, str] | None = None) -> Process:
         return self._start(module, "--connect", self.router.endpoint, *options, environment=environment)

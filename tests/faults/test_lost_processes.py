@@ -13,6 +13,7 @@ from tests.support.processes import Process
 from tests.support.wait import eventually, throughout
 
 pytestmark = pytest.mark.processes
+lost = pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "hung"])
 
 
 @pytest.fixture
@@ -35,48 +36,39 @@ def silent(chain: Chain) -> None:
     eventually(quiet, PATIENCE, "no command any more")
 
 
-def test_a_killed_controller_is_missed_and_its_successor_resumes(chain: Chain, robot: Process) -> None:
+@lost
+def test_a_lost_controller_is_missed_and_brakes_before_it_moves_again(
+    chain: Chain, robot: Process, number: signal.Signals
+) -> None:
     before = chain.watch.commands[-1].session
-    chain.controller.kill()
+    chain.lose("controller", number)
     silent(chain)
     eventually(lambda: "controller" not in chain.bus.living(), PATIENCE, "it is shown as lost")
     first = len(chain.watch.commands)
-    chain.controller = chain.start_controller()
-    chain.works("the new one moves the tool")
-    successors = chain.watch.commands[first:]
-    assert {command.session for command in successors} != {before}
-    assert not successors[0].moves  # it brakes before it moves
-
-
-def test_a_hung_controller_is_missed_and_goes_on_when_it_wakes(chain: Chain, robot: Process) -> None:
-    chain.controller.signal(signal.SIGSTOP)
-    silent(chain)
-    eventually(lambda: "controller" not in chain.bus.living(), PATIENCE, "it is shown as lost")
-    first = len(chain.watch.commands)
-    chain.controller.signal(signal.SIGCONT)
-    chain.works("the woken one moves the tool")
-    # One may have been on its way when it was stopped; then it brakes for the start-up time.
-    assert not any(command.moves for command in chain.watch.commands[first + 1 : first + 4])
+    chain.bring_back("controller", number)
+    chain.works("it moves the tool again")
+    commands = chain.watch.commands[first:]
+    if number == signal.SIGKILL:
+        assert {command.session for command in commands} != {before}
+        assert not commands[0].moves
+    # One may have been on its way when it was hung; then it brakes for the start-up time.
+    assert not any(command.moves for command in commands[1:4])
 
 
 def test_a_stopped_controller_brakes_before_it_ends(chain: Chain, robot: Process) -> None:
     chain.controller.signal(signal.SIGTERM)
     assert chain.controller.wait() == 0
     eventually(lambda: not chain.watch.commands[-1].moves, PATIENCE, "the last command brakes")
-    chain.controller = chain.start_controller()
+    chain.controller = chain.start("controller")
     chain.works("the new one moves the tool")
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+@lost
 def test_a_lost_wrench_service_brakes(chain: Chain, robot: Process, number: signal.Signals) -> None:
-    chain.wrench.signal(number)
+    chain.lose("wrench", number)
     chain.brakes()
     assert "wrench" in chain.watch.reason
-    if number == signal.SIGKILL:
-        chain.wrench.wait()
-        chain.wrench = chain.start_wrench()
-    else:
-        chain.wrench.signal(signal.SIGCONT)
+    chain.bring_back("wrench", number)
     chain.works("it resumes by itself")
 
 
@@ -91,23 +83,16 @@ def test_the_last_target_stays_in_force(chain: Chain, robot: Process) -> None:
         chain.paused = False
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+@lost
 def test_a_lost_router_stops_everything_and_needs_nobody_when_it_is_back(
     own_chain: Chain, number: signal.Signals
 ) -> None:
-    chain = own_chain
-    with chain.playing():
-        router = chain.router.process
-        router.signal(number)
-        if number == signal.SIGKILL:
-            router.wait()
-        silent(chain)
-        if number == signal.SIGKILL:
-            chain.replace_router()
-        else:
-            router.signal(signal.SIGCONT)
-        chain.works("it resumes by itself")
-        assert "latched" not in chain.watch.reason
+    with own_chain.playing():
+        own_chain.lose("router", number)
+        silent(own_chain)
+        own_chain.bring_back("router", number)
+        own_chain.works("it resumes by itself")
+        assert "latched" not in own_chain.watch.reason
 
 
 def test_health_of_a_service_that_starts_alone_says_what_it_waits_for(chain: Chain) -> None:
