@@ -81,12 +81,12 @@ def ask(bus: Bus, query: Query, request: dict[str, Any], timeout: float = 3.0) -
         refuse(f"{query.server} refused: {problem}", 1)
 
 
-def table(*columns: str, **options: Any) -> Table:
+def table(*columns: str, vertical: Literal["top", "bottom"] = "top", **options: Any) -> Table:
     """An empty table without lines; a column whose name ends with > is set to the right."""
     made = Table(box=None, pad_edge=False, header_style="bold", **options)
     for name in columns:
         justify: Literal["left", "right"] = "right" if name.endswith(">") else "left"
-        made.add_column(name.removesuffix(">"), justify=justify, vertical="bottom", overflow="fold")
+        made.add_column(name.removesuffix(">"), justify=justify, vertical=vertical, overflow="fold")
     return made
 
 

@@ -236,7 +236,7 @@ def figures_table(found: Figures) -> Table:
     """A table of figures: names left, figures right."""
     first, *others = found.head
     columns = (first, *(f"{name}>" for name in others))
-    shown = table(*columns, title=f"\n{found.title}", title_justify="left")
+    shown = table(*columns, vertical="bottom", title=f"\n{found.title}", title_justify="left")
     for row in found.rows:
         shown.add_row(*row)
     return shown
