@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from shared.messages import ControlStatus, Stop, TwistCommand
-from shared.topics import COMMAND_EE_TWIST, CONTROL_STATUS, CONTROL_TARGET, STOP
+from shared.schema.records import Record
+from shared.topics import COMMAND_EE_TWIST, CONTROL_STATUS, CONTROL_TARGET, STOP, Topic
 from shared.wire.client import Client
 from shared.wire.subscription import Received
 from tests.conftest import Router, StartProcess
@@ -79,7 +80,7 @@ class Chain(StandIn):
     """The two services, and a task that asks the tool to move on; its ``health`` is that of the wrench service."""
 
     def __init__(self, router: Router, start: StartProcess, state: Path) -> None:
-        super().__init__(router.endpoint, "wrench", period=0.1)
+        super().__init__(router.endpoint, "wrench", self._target, period=0.1)
         self.router = router
         self._start = start
         self._state = state
@@ -131,10 +132,9 @@ class Chain(StandIn):
             yield program
         self.unharmed()
 
-    def turn(self, number: int) -> None:
-        """Say the target again, unless the task is paused."""
-        if not self.paused:
-            self.client.publish(CONTROL_TARGET, programs.AHEAD)
+    def _target(self, number: int) -> list[tuple[Topic, Record]]:
+        """The target again, unless the task is paused."""
+        return [] if self.paused else [(CONTROL_TARGET, programs.AHEAD)]
 
     def tare(self) -> None:
         """Tare the sensor of a robot that is there only for this."""
