@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
@@ -59,3 +61,16 @@ def shared_router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Router]:
     """One router for all tests of a file, which leave it alone."""
     with _processes(tmp_path_factory.mktemp("router")) as start_process:
         yield _router(start_process)
+
+
+@pytest.fixture
+def as_a_process(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
+    """For a test that calls what a process calls: nothing of the user's is used, and what it sets is set back."""
+    for name in ("TANDEM_ROBOT", "TANDEM_CONNECT", "TANDEM_CONFIG"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    kept = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
+    with np.errstate():
+        yield
+    for number, handler in kept.items():
+        signal.signal(number, handler)

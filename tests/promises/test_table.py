@@ -7,7 +7,6 @@ import pytest
 from shared.processes import PROCESSES
 from shared.topics import ANYBODY
 from tests.promises.subjects import BY_NAME, SUBJECTS, Subject
-from tests.promises.test_refusals import VALUES
 from tests.promises.test_words import NONSENSE
 from tests.promises.worlds import STRANGE
 
@@ -26,6 +25,5 @@ def test_there_is_no_other_and_none_twice() -> None:
 @pytest.mark.parametrize("subject", SUBJECTS, ids=repr)
 def test_its_inputs_outputs_and_settings_are_tested(subject: Subject) -> None:
     assert (subject.output is not None) == subject.process.service
-    assert (subject.name in VALUES) == subject.process.settable
     assert set(STRANGE) >= {topic for topic in subject.inputs if ANYBODY not in topic.publishers}
     assert set(NONSENSE) >= set(subject.queries)

@@ -1,4 +1,8 @@
-"""The table of topics against the contract, which is written down here once more, by hand and not from the code."""
+"""The table of topics against the contract, which is written down here once more, by hand and not from the code.
+
+``force[3]`` is a vector, ``[n]`` one of any length, a bare name a number, ``?`` what may be null, ``~`` what the
+contract leaves free: readers do without it.
+"""
 
 from __future__ import annotations
 
@@ -7,252 +11,141 @@ import itertools
 import pytest
 
 from shared.messages import Header
-from shared.schema.records import MapOf, Nullable, RecordOf
-from shared.topics import (
-    ANYBODY,
-    QUERIES,
-    ROBOT,
-    TOPICS,
-    WRENCH_EXTERNAL,
-    health_topic,
-    topic_by_key,
-)
+from shared.schema.fields import Kind
+from shared.schema.records import MapOf, Nullable, Record, RecordOf
+from shared.topics import QUERIES, TOPICS, WRENCH_EXTERNAL, health_topic, topic_by_key
 
-V2, V3, V4, V5, V6, VN = 2, 3, 4, 5, 6, "n"
-"""Lengths of vectors."""
-
-CONTRACT: dict[str, tuple[str, dict[str, object]]] = {
-    "sensor/ft": (
-        ROBOT,
-        {"force": V3, "torque": V3, "orientation": V4, "tool_offset": V3, "saturated": bool},
-    ),
+POSE = "position[3] orientation[4]"
+CONTRACT: dict[str, tuple[str, int | None, str]] = {
+    "sensor/ft": ("robot", 100, "force[3] torque[3] orientation[4] tool_offset[3] saturated:bool"),
     "sensor/camera": (
-        ROBOT,
-        {
-            "width": int,
-            "height": int,
-            "encoding": {"jpeg", "rgb8"},
-            "data": bytes,
-            "intrinsics": V4,
-            "distortion": V5,
-            "position": V3,
-            "orientation": V4,
-        },
+        "robot",
+        10,
+        f"width:int height:int encoding:jpeg/rgb8 data:bytes intrinsics[4] distortion[5] {POSE}",
     ),
-    "state/joints": (ROBOT, {"name": list, "position": VN, "velocity": VN, "effort": VN}),
-    "state/ee": (ROBOT, {"position": V3, "orientation": V4, "linear": V3, "angular": V3}),
-    "state/base": (ROBOT, {"position": V2, "yaw": float, "velocity": V3}),
-    "state/gripper": (ROBOT, {"opening": float, "effort": float, "holding": bool}),
+    "state/joints": ("robot", 100, "name:texts position[n] velocity[n] effort[n]"),
+    "state/ee": ("robot", 100, f"{POSE} linear[3] angular[3]"),
+    "state/base": ("robot", 50, "position[2] yaw velocity[3]"),
+    "state/gripper": ("robot", 20, "opening effort holding:bool"),
     "state/robot": (
-        ROBOT,
-        {
-            "mode": {"ready", "holding", "stopped"},
-            "reason": str,
-            "base_type": {"differential", "omni"},
-            "simulated": bool,
-            "max_linear": float,
-            "max_angular": float,
-            "max_base": V3,
-        },
+        "robot",
+        5,
+        "mode:ready/holding/stopped reason:text base_type:differential/omni simulated:bool max_linear max_angular "
+        "max_base[3] ~held:int",
     ),
-    "command/ee_twist": ("controller", {"linear": V3, "angular": V3, "ttl": float}),
-    "command/base_twist": ("base", {"velocity": V3, "ttl": float}),
-    "command/gripper": ("task", {"opening": float, "effort": float}),
-    "command/head": ("task", {"pan": float, "tilt": float}),
-    "stop": (ANYBODY, {"engaged": bool, "reason": str}),
+    "command/ee_twist": ("controller", None, "linear[3] angular[3] ttl"),
+    "command/base_twist": ("base", None, "velocity[3] ttl"),
+    "command/gripper": ("task", None, "opening effort"),
+    "command/head": ("task", None, "pan tilt"),
+    "stop": ("*", None, "engaged:bool reason:text"),
     "wrench/external": (
         "wrench",
-        {
-            "force": V3,
-            "torque": V3,
-            "error_bound": V6,
-            "compensation": {"none", "tare", "payload"},
-            "fault": str,
-        },
+        None,
+        "force[3] torque[3] error_bound[6] compensation:none/tare/payload fault:text",
     ),
     "control/target": (
         "task or experiment",
-        {
-            "position": V3,
-            "orientation": V4,
-            "force_limit": V3,
-            "torque_limit": V3,
-            "nominal_force": V3,
-            "nominal_torque": V3,
-        },
+        None,
+        f"{POSE} force_limit[3] torque_limit[3] nominal_force[3] nominal_torque[3]",
     ),
     "control/status": (
         "controller",
-        {
-            "state": {"waiting", "tracking", "yielding", "braking"},
-            "reason": str,
-            "law": {"certified", "paper", "stiffness"},
-            "twist": V6,
-            "margin": V6,
-            "active": V6,
-            "relaxation": float,
-            "lyapunov": float,
-            "solve_us": float,
-        },
+        None,
+        "state:waiting/tracking/yielding/braking reason:text law:certified/paper/stiffness twist[6] margin[6] "
+        "active[6] relaxation lyapunov solve_us",
     ),
-    "base/status": ("base", {"state": {"off", "following", "braking"}, "wrench": V3, "velocity": V3}),
-    "base/enable": ("task", {"enabled": bool}),
+    "base/status": ("base", None, "state:off/following/braking wrench[3] velocity[3]"),
+    "base/enable": ("task", None, "enabled:bool"),
     "task/status": (
         "task",
-        {
-            "state": str,
-            "since": float,
-            "reason": str,
-            "rotation": float,
-            "height": float,
-            "marker": (None, {"position": V3, "orientation": V4, "age": float}),
-        },
+        None,
+        f"state:text since reason:text rotation height marker?{{{POSE} age}}",
     ),
     "sim/world": (
-        ROBOT,
-        {
-            "time": float,
-            "panel": (None, {"position": V3, "orientation": V4}),
-            "bag": (None, {"mass": float, "height": float}),
-            "hand": (None, {"position": V3, "force": V3, "torque": V3}),
-            "contact_force": V3,
-            "marker_visible": bool,
-        },
+        "robot",
+        30,
+        f"time panel?{{{POSE}}} bag?{{mass height}} hand?{{position[3] force[3] torque[3] ~doing:text ~wanted[3] "
+        "~wanted_orientation[4]} contact_force[3] marker_visible:bool",
     ),
     "health/wrench": (
         "wrench",
-        {
-            "state": {"starting", "ok", "degraded", "fault"},
-            "detail": str,
-            "loop_hz": float,
-            "loop_p50_us": float,
-            "loop_p99_us": float,
-            "overruns": int,
-            "inputs": [{"age": float, "hz": float, "rejected": int, "ok": bool}],
-        },
+        2,
+        "state:starting/ok/degraded/fault detail:text loop_hz loop_p50_us loop_p99_us overruns:int "
+        "inputs:{text: {age hz rejected:int ok:bool}}",
     ),
 }
-FREE: dict[str, dict[str, object]] = {
-    "state/robot": {"held": int},
-    "sim/world": {
-        "hand": (
-            None,
-            {
-                "position": V3,
-                "force": V3,
-                "torque": V3,
-                "doing": str,
-                "wanted": V3,
-                "wanted_orientation": V4,
-            },
-        )
-    },
-}
-"""What stands beside the contract's fields, which leaves free whatever it does not name; readers do without."""
-RATES = {
-    "sensor/ft": 100,
-    "sensor/camera": 10,
-    "state/joints": 100,
-    "state/ee": 100,
-    "state/base": 50,
-    "state/gripper": 20,
-    "state/robot": 5,
-    "sim/world": 30,
-    "health/wrench": 2,
-}
-IMAGES = {"sensor/camera"}
-AVERAGE = {"samples": int, "std": V6}
-PARAMETERS = (
-    {"set": (None, dict)},
-    {"parameters": [dict(value=object, unit=str, min=(None, float), max=(None, float), doc=str)]},
-)
-QUERYABLES: dict[str, tuple[str, dict[str, tuple[object, object]]]] = {
-    "wrench/tare": ("wrench", {"": ({"duration": float}, {"force": V3, "torque": V3, **AVERAGE})}),
+"""Publisher, rate [Hz] if the contract states one, and fields."""
+TABLE = "parameters:{text: {value:any unit:text min? max? doc:text}}"
+QUERYABLES: dict[str, tuple[str, dict[str, tuple[str, str]]]] = {
+    "wrench/tare": ("wrench", {"": ("duration", "force[3] torque[3] samples:int std[6]")}),
     "wrench/identify": (
         "wrench",
         {
-            "start": ({}, {"poses": int}),
-            "add": ({"duration": float}, {"poses": int, **AVERAGE}),
+            "start": ("", "poses:int"),
+            "add": ("duration", "poses:int samples:int std[6]"),
             "solve": (
-                {},
-                {
-                    "mass": float,
-                    "com": V3,
-                    "force_bias": V3,
-                    "torque_bias": V3,
-                    "sigma": VN,
-                    "residual_rms": V6,
-                    "condition": float,
-                    "poses": int,
-                    "file": str,
-                },
+                "",
+                "mass com[3] force_bias[3] torque_bias[3] sigma[n] residual_rms[6] condition poses:int file:text",
             ),
-            "cancel": ({}, {"poses": int}),
+            "cancel": ("", "poses:int"),
         },
     ),
-    "task/command": ("task", {"": ({"command": {"start", "abort", "release", "reset"}}, {"state": str})}),
-    "wrench/parameters": ("wrench", {"": PARAMETERS}),
-    "control/parameters": ("controller", {"": PARAMETERS}),
-    "base/parameters": ("base", {"": PARAMETERS}),
+    "task/command": ("task", {"": ("command:start/abort/release/reset", "state:text")}),
+    "wrench/parameters": ("wrench", {"": ("set?:map", TABLE)}),
+    "control/parameters": ("controller", {"": ("set?:map", TABLE)}),
+    "base/parameters": ("base", {"": ("set?:map", TABLE)}),
     "sim/command": (
-        ROBOT,
+        "robot",
         {
-            "reset": ({}, {}),
-            "load": ({"mass": float}, {}),
-            "push": ({"duration": float, "force": V3, "torque": V3}, {}),
-            "hand": ({"script": (None, str), "target": (None, V3)}, {}),
-            "cover_marker": ({"covered": bool}, {}),
-            "fault": (
-                {
-                    "target": {"ft", "camera", "joints"},
-                    "kind": {"off", "stuck", "garbage", "bias", "delay", "ok"},
-                    "value": object,
-                },
-                {},
-            ),
+            "reset": ("", ""),
+            "load": ("mass", ""),
+            "push": ("duration force[3] torque[3]", ""),
+            "hand": ("script?:text target?[3]", ""),
+            "cover_marker": ("covered:bool", ""),
+            "fault": ("target:ft/camera/joints kind:off/stuck/garbage/bias/delay/ok value:any", ""),
         },
     ),
 }
+"""Server, and for each word that begins a request the fields of request and reply."""
 SCALARS = {
-    "Number": float,
-    "Integer": int,
-    "Boolean": bool,
-    "Bytes": bytes,
-    "TextList": list,
-    "Anything": object,
-    "AnyMap": dict,
+    "Number": "",
+    "Integer": ":int",
+    "Boolean": ":bool",
+    "Bytes": ":bytes",
+    "TextList": ":texts",
+    "Anything": ":any",
+    "AnyMap": ":map",
 }
 
 
-def fields_of(record) -> dict[str, object]:
-    return {name: shape(kind) for name, kind, _ in record.kinds()}
+def fields_of(record: type[Record]) -> str:
+    return " ".join(name + shape(kind) for name, kind, _ in record.kinds())
 
 
-def shape(kind) -> object:
+def shape(kind: Kind) -> str:
     if isinstance(kind, RecordOf):
-        inner = fields_of(kind.record)
-        return (None, inner) if kind.nullable else inner
+        return ("?" if kind.nullable else "") + f"{{{fields_of(kind.record)}}}"
     if isinstance(kind, MapOf):
-        return [fields_of(kind.record)]
+        return f":{{text: {{{fields_of(kind.record)}}}}}"
     if isinstance(kind, Nullable):
-        return (None, shape(kind.kind))
+        return "?" + shape(kind.kind)
     name = type(kind).__name__
     if name in ("Vector", "Quaternion"):
-        return VN if kind.size is None else kind.size
+        return f"[{kind.size or 'n'}]"
     if name == "Text":
-        return set(kind.choices) if kind.choices else str
+        return ":" + ("/".join(kind.choices) or "text")
     return SCALARS[name]
 
 
 @pytest.mark.parametrize("key", CONTRACT)
 def test_a_topic_is_as_the_contract_says(key: str) -> None:
-    publisher, fields = CONTRACT[key]
+    publisher, rate, fields = CONTRACT[key]
     topic = topic_by_key(key)
     assert topic is not None
     assert topic.publisher == publisher
-    assert fields_of(topic.message) == fields | FREE.get(key, {})
-    assert topic.cap == (4 * 1024**2 if key in IMAGES else 64 * 1024)
-    assert topic.rate == RATES.get(key, topic.rate)
+    assert fields_of(topic.message) == fields.replace("~", "")
+    assert topic.cap == (4 * 1024**2 if key == "sensor/camera" else 64 * 1024)
+    assert rate in (None, topic.rate)
 
 
 def test_no_topic_of_the_contract_is_missing() -> None:
@@ -273,12 +166,7 @@ def test_a_query_is_as_the_contract_says(key: str, word: str) -> None:
 
 
 def test_the_header() -> None:
-    assert fields_of(Header) == {
-        "seq": int,
-        "session": int,
-        "stamp": int,
-        "valid": bool,
-    }
+    assert fields_of(Header) == "seq:int session:int stamp:int valid:bool"
 
 
 def test_a_periodic_topic_may_be_read_for_three_periods_at_least() -> None:

@@ -9,36 +9,8 @@ import pytest
 from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
 from tests.support.ports import free_endpoint, free_port
-from tests.support.wait import eventually
 
 pytestmark = pytest.mark.processes
-
-
-def test_carries_messages_between_two_processes_sessions(router: Router) -> None:
-    received: list[bytes] = []
-    receiver, sender = ZenohBus(connect=router.endpoint), ZenohBus(connect=router.endpoint)
-    try:
-        receiver.subscribe("stop", received.append)
-
-        def arrived() -> bool:
-            sender.publish("stop", b"payload")
-            return b"payload" in received
-
-        eventually(arrived, message="a payload through the router")
-    finally:
-        sender.close()
-        receiver.close()
-
-
-def test_shows_who_is_alive_and_who_left(router: Router) -> None:
-    watcher, service = ZenohBus(connect=router.endpoint), ZenohBus(connect=router.endpoint)
-    try:
-        service.alive("wrench")
-        eventually(lambda: watcher.living() == {"wrench"}, message="the token of the service")
-        service.close()
-        eventually(lambda: watcher.living() == set(), message="the token's end")
-    finally:
-        watcher.close()
 
 
 def test_taken_port_is_one_line_that_names_port_and_remedy(router: Router, start: StartProcess) -> None:

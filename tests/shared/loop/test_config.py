@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -11,7 +9,9 @@ import pytest
 from shared.loop.config import Misconfigured, complain, service_assignment, settings, value_of
 from shared.loop.process import run
 from shared.wire.zenoh import DEFAULT_ENDPOINT
-from tests.shared.rig import Recorder, RecorderParameters
+from tests.shared.loop.rig import Recorder, RecorderParameters
+
+pytestmark = pytest.mark.usefixtures("as_a_process")
 
 CONFIG = """\
 [task]
@@ -21,21 +21,6 @@ unknown = 1
 gain = 2.0
 limit = [1.0, 2.0, 3.0]
 """
-
-
-@pytest.fixture(autouse=True)
-def bare_environment(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("TANDEM_ROBOT", "TANDEM_CONNECT", "TANDEM_CONFIG"):
-        monkeypatch.delenv(name, raising=False)
-
-
-@pytest.fixture(autouse=True)
-def own_signal_handlers() -> Iterator[None]:
-    """``run`` takes over the signals of its process, which is the test runner's here."""
-    kept = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
-    yield
-    for number, handler in kept.items():
-        signal.signal(number, handler)
 
 
 @pytest.fixture

@@ -5,21 +5,14 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Iterator
 
 import pytest
 
 from shared.loop.process import Loop, StopRequest
-from tests.shared.runner_rig import Rig
+from tests.shared.loop.rig import Rig
 from tests.support.wait import eventually
 
-
-@pytest.fixture(autouse=True)
-def own_signals() -> Iterator[None]:
-    kept = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
-    yield
-    for number, handler in kept.items():
-        signal.signal(number, handler)
+pytestmark = pytest.mark.usefixtures("as_a_process")
 
 
 def test_a_signal_never_waits_for_the_lock_of_the_event_that_it_interrupts() -> None:

@@ -27,8 +27,8 @@ from shared.topics import (
 )
 from shared.wire.bus import NoReply
 from shared.wire.codec import encode_map
+from tests.shared.loop.rig import Rig
 from tests.shared.rig import ZERO, target, tool, wrench
-from tests.shared.runner_rig import Rig
 from tests.shared.strategies import any_plain
 
 NESTED: list[Any] = []

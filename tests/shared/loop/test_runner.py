@@ -18,8 +18,8 @@ from shared.topics import (
     STATE_JOINTS,
     WRENCH_EXTERNAL,
 )
-from tests.shared.rig import Recorder, Source, ft_sample, target, tool, wrench
-from tests.shared.runner_rig import Rig
+from tests.shared.loop.rig import Recorder, Rig, Source
+from tests.shared.rig import ft_sample, target, tool, wrench
 
 
 def test_without_inputs_it_brakes_and_waits() -> None:
@@ -45,9 +45,9 @@ def test_it_moves_only_after_half_a_second_of_healthy_inputs_in_any_start_order(
         if part == "service":
             stack.add(service)
         elif part == "wrench":
-            Source(stack.scheduler, stack.bus, WRENCH_EXTERNAL, wrench)
+            Source(stack, WRENCH_EXTERNAL, wrench)
         else:
-            Source(stack.scheduler, stack.bus, STATE_EE, tool)
+            Source(stack, STATE_EE, tool)
         assert not service.steps
         healthy_at = stack.now
     stack.run(0.495)

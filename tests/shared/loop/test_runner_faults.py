@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+
 import pytest
 
 from shared.faults import FaultKind
@@ -12,18 +15,14 @@ from shared.topics import (
     WRENCH_EXTERNAL,
     Topic,
 )
-from tests.shared.rig import speed, wrench
-from tests.shared.runner_rig import Rig
+from tests.shared.loop.rig import Rig, speed
+from tests.shared.rig import wrench
 
 
-@pytest.mark.parametrize(("topic", "limit"), [(WRENCH_EXTERNAL, 0.03), (STATE_EE, 0.1)])
-def test_a_silent_input_brakes_when_its_age_is_over(topic: Topic, limit: float) -> None:
+@pytest.mark.parametrize(("lost", "topic", "limit"), [(0, WRENCH_EXTERNAL, 0.03), (1, STATE_EE, 0.1)])
+def test_a_silent_input_brakes_when_its_age_is_over(lost: int, topic: Topic, limit: float) -> None:
     rig = Rig()
-    inputs = rig.working()
-    lost = next(
-        source for source, key in zip(inputs, (WRENCH_EXTERNAL, STATE_EE), strict=True) if key == topic
-    )
-    lost.on = False
+    rig.working()[lost].on = False
     silent_since = rig.stack.now
     rig.stack.run(0.5)
     when, kind = rig.first_brake()
@@ -57,32 +56,21 @@ def test_a_long_silence_is_followed_by_half_a_second_of_healthy_inputs() -> None
     assert rig.service.steps
 
 
-def test_a_new_session_of_an_input_is_armed_anew() -> None:
+@pytest.mark.parametrize("begins", [True, False], ids=["valid", "invalid"])
+def test_a_new_session_of_an_input_is_armed_anew(begins: bool) -> None:
     rig = Rig()
     driver, _ = rig.working()
     driver.on = False
     rig.stack.run(0.04)
     driver.restart()
-    driver.on = True
-    rig.service.steps.clear()
-    rig.stack.run(0.45)
-    assert not rig.service.steps
-    rig.stack.run(0.2)
-    assert rig.service.steps
-
-
-def test_a_new_session_that_begins_invalid_is_armed_anew_too() -> None:
-    rig = Rig()
-    driver, _ = rig.working()
-    driver.on = False
-    rig.stack.run(0.04)
-    driver.restart()
-    driver.on, driver.valid = True, False
+    driver.on, driver.valid = True, begins
     rig.stack.run(0.03)
     driver.valid = True
     rig.service.steps.clear()
     rig.stack.run(0.45)
     assert not rig.service.steps
+    rig.stack.run(0.2)
+    assert rig.service.steps
 
 
 def test_an_invalid_input_brakes_at_once_and_its_word_is_handed_over() -> None:
@@ -115,39 +103,41 @@ def test_garbage_in_place_of_samples_brakes() -> None:
     assert rig.runner.subscriptions[WRENCH_EXTERNAL.key].rejected == 10
 
 
+def fails(problem: Exception) -> Callable[[], object]:
+    def fail() -> None:
+        raise problem
+
+    return fail
+
+
 @pytest.mark.parametrize(
-    "problem", [ZeroDivisionError("x"), ValueError("NaN"), KeyError("x"), OverflowError()]
+    ("step", "says"),
+    [
+        *(
+            (fails(kind("x")), kind.__name__)
+            for kind in (ZeroDivisionError, ValueError, KeyError, OverflowError)
+        ),
+        # An output that is not finite cannot be built.
+        (lambda: TwistCommand((math.nan, 0.0, 0.0), (0.0, 0.0, 0.0)), "linear is nan"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_an_exception_in_a_step_brakes_in_the_same_tick(problem: Exception) -> None:
+def test_an_exception_in_a_step_brakes_in_the_same_tick(step: Callable[[], object], says: str) -> None:
     rig = Rig()
     rig.working()
 
     def fail(_inputs: object) -> None:
         rig.service.on_step = lambda inputs: None
-        raise problem
+        step()
 
     rig.service.on_step = fail
     rig.stack.run(0.0101)
     assert rig.service.calls == ["step", "brake internal"]
-    assert len(rig.commands) == 1
-    _, message, valid = rig.commands[0]
+    ((_, message, valid),) = rig.commands
     assert speed(message) == 0.0 and not valid
-    assert type(problem).__name__ in rig.service.brakes[0][0].text
+    assert says in rig.service.brakes[0][0].text
     rig.stack.run(0.0101)
     assert rig.service.calls[-1] == "step"
-
-
-def test_an_output_that_is_not_finite_cannot_be_built_and_brakes() -> None:
-    rig = Rig()
-    rig.working()
-
-    def fail(_inputs: object) -> None:
-        TwistCommand((float("nan"), 0.0, 0.0), (0.0, 0.0, 0.0))
-
-    rig.service.on_step = fail
-    rig.stack.run(0.0101)
-    assert rig.service.brakes[0][0].kind is FaultKind.INTERNAL
-    assert "linear is nan" in rig.service.brakes[0][0].text
 
 
 def test_closing_brakes_once_more() -> None:

@@ -9,7 +9,8 @@ from shared.loop.stack import Stack
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, STATE_EE, WRENCH_EXTERNAL
 from shared.wire.bus import NoReply
 from shared.wire.local import LocalBus, Scheduler
-from tests.shared.rig import Recorder, Source, target, tool, wrench
+from tests.shared.loop.rig import Recorder, Source
+from tests.shared.rig import target, tool, wrench
 
 
 def test_actions_run_in_the_order_of_their_times_and_ties_as_asked() -> None:
@@ -118,8 +119,8 @@ def record(seconds: float, latency: float) -> list[tuple[int, str, dict]]:
             name="two", driver=0.007, required=(STATE_EE,), optional=(SENSOR_FT,), queries=(), parameters=None
         )
     )
-    Source(stack.scheduler, stack.bus, WRENCH_EXTERNAL, wrench)
-    Source(stack.scheduler, stack.bus, STATE_EE, tool, 0.004)
+    Source(stack, WRENCH_EXTERNAL, wrench)
+    Source(stack, STATE_EE, tool, 0.004)
     stack.run(seconds / 2)
     stack.client.publish(CONTROL_TARGET, target())
     stack.run(seconds / 2)

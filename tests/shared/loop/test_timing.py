@@ -8,7 +8,7 @@ from shared.loop.timing import LoopTiming
 from shared.messages import Header, TwistCommand
 from shared.topics import COMMAND_EE_TWIST, WRENCH_EXTERNAL
 from shared.wire.codec import decode
-from tests.shared.busy_loop import BusyLoop
+from tests.shared.loop.rig import BusyLoop
 from tests.shared.rig import ManualClock
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import threading
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -69,41 +70,36 @@ def test_a_second_session_is_refused_while_the_first_lives() -> None:
     assert "second session" in feed.subscription.refusals
 
 
-def test_a_second_session_takes_over_after_the_silence() -> None:
-    feed = Feed()
-    feed.run(5)
-    second = Publisher(feed.clock, session=2)
-    feed.clock.advance(0.029)
-    feed.subscription.offer(second.payload(ft_sample()))
-    assert feed.subscription.second_session == 1
-    feed.clock.advance(0.002)
-    feed.subscription.offer(second.payload(ft_sample()))
-    latest = feed.subscription.latest
-    assert latest is not None and latest.header.session == 2
-    feed.subscription.offer(feed.first.payload(ft_sample()))
-    assert feed.subscription.second_session == 2
+def twist(ttl: float) -> Callable[[], TwistCommand]:
+    return lambda: TwistCommand(ZERO, ZERO, ttl)
 
 
-@pytest.mark.parametrize(("ttl", "held"), [(0.02, 0.02), (0.2, 0.2), (1e9, LONGEST_TTL)])
-def test_a_command_holds_its_topic_for_its_ttl(ttl: float, held: float) -> None:
-    feed = Feed(COMMAND_EE_TWIST, lambda: TwistCommand(ZERO, ZERO, ttl))
-    feed.run(1)
+@pytest.mark.parametrize(
+    ("feed", "held"),
+    [
+        (Feed(), 0.03),
+        # A command holds its topic for its ttl.
+        (Feed(COMMAND_EE_TWIST, twist(0.02)), 0.02),
+        (Feed(COMMAND_EE_TWIST, twist(0.2)), 0.2),
+        (Feed(COMMAND_EE_TWIST, twist(1e9)), LONGEST_TTL),
+        # A target is used for ever, and can be handed over all the same.
+        (Feed(CONTROL_TARGET, target, 0.2), HANDOVER_LIMIT),
+    ],
+    ids=lambda value: value.subscription.topic.key if isinstance(value, Feed) else value,
+)
+def test_a_second_session_takes_over_after_the_silence(feed: Feed, held: float) -> None:
+    feed.run(3)
     second = Publisher(feed.clock, session=2)
     feed.clock.advance(held - 0.001)
     feed.subscription.offer(second.payload(feed.make()))
     assert feed.subscription.second_session == 1
     feed.clock.advance(0.002)
     feed.subscription.offer(second.payload(feed.make()))
-    assert feed.subscription.accepted == 2
-
-
-def test_a_target_that_is_used_for_ever_can_still_be_handed_over() -> None:
-    feed = Feed(CONTROL_TARGET, target, 0.2)
-    feed.run(3)
-    feed.clock.advance(HANDOVER_LIMIT + 0.01)
+    latest = feed.subscription.latest
+    assert latest is not None and latest.header.session == 2
+    feed.subscription.offer(feed.first.payload(feed.make()))
+    assert (feed.subscription.second_session, feed.subscription.accepted) == (2, 4)
     assert feed.fault() is None
-    feed.subscription.offer(Publisher(feed.clock, session=2).payload(target()))
-    assert feed.subscription.accepted == 4
 
 
 def test_anybody_may_stop_at_any_time() -> None:
