@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from services.experiment.carry.carry_protocol import Guidance
 from services.experiment.carry.following import Followed, followed
-from services.experiment.carry.motion import Motion
+from tests.services.experiment.carry.motions import along, motion
 
 TIME = np.arange(0.0, 8.0, 1 / 30)
 PULL, TURN = Guidance("pull", "along", 0.5), Guidance("turn", "roll", 1.0)
-LEVEL = np.tile(np.eye(3), (len(TIME), 1, 1))
 
 
 def ramp(start: float, amount: float) -> np.ndarray:
@@ -22,35 +19,14 @@ def ramp(start: float, amount: float) -> np.ndarray:
     return amount * np.clip((TIME - start) / 4.0, 0.0, 1.0)
 
 
-def along(way: np.ndarray) -> np.ndarray:
-    return np.outer(way, (1.0, 0.0, 0.0))
-
-
 def rolled(way: np.ndarray) -> np.ndarray:
     return Rotation.from_rotvec(along(way)).as_matrix()
-
-
-STILL = Motion(
-    time=TIME,
-    sampled=TIME,
-    doing=np.full(len(TIME), "move"),
-    panel=along(0.0 * TIME),
-    panel_axes=LEVEL,
-    hand=along(0.0 * TIME),
-    wish=along(0.0 * TIME),
-    wish_axes=LEVEL,
-    push=along(0.0 * TIME),
-    twist=along(0.0 * TIME),
-    base=along(0.0 * TIME),
-    tool=along(0.0 * TIME),
-    tool_axes=LEVEL,
-)
 
 
 def pulled(panel: np.ndarray, base: np.ndarray, wish: np.ndarray) -> Followed:
     """A rigid panel pulled along x: far end and tool go one way (n,) [m], the base another, and the wish a third."""
     ways = {"hand": along(panel), "tool": along(panel), "base": along(base), "wish": along(wish)}
-    (found,) = followed(dataclasses.replace(STILL, **ways, push=500.0 * along(wish - panel)), (PULL,))
+    (found,) = followed(motion(TIME, **ways, push=500.0 * along(wish - panel)), (PULL,))
     return found
 
 
@@ -73,8 +49,8 @@ def test_what_never_moves_never_keeps_up_and_a_wish_alone_is_a_movement() -> Non
 
 
 def test_a_turn_is_that_of_the_panel_at_the_far_end_and_of_the_tool_at_the_other() -> None:
-    turned = dataclasses.replace(
-        STILL,
+    turned = motion(
+        TIME,
         doing=np.full(len(TIME), "turn"),
         wish_axes=rolled(ramp(1.0, 1.0)),
         panel_axes=rolled(ramp(1.1, 0.9)),
@@ -86,5 +62,5 @@ def test_a_turn_is_that_of_the_panel_at_the_far_end_and_of_the_tool_at_the_other
 
 
 def test_a_movement_that_the_person_did_not_want_is_none_of_the_script() -> None:
-    (found,) = followed(STILL, (PULL,))
+    (found,) = followed(motion(TIME), (PULL,))
     assert np.isnan(found.start) and found.near == 0.0
