@@ -89,6 +89,10 @@ class Feed:
             self.clock.advance(self.period)
             self.subscription.offer((publisher or self.first).payload(self.make()))
 
+    def offer(self, publisher: Publisher | None = None, force: float = 0.0, **header: int | None) -> None:
+        """A sample of the sensor now, with some of its header as given."""
+        self.subscription.offer((publisher or self.first).payload(ft_sample(force), **header))
+
     def fault(self) -> FaultKind | None:
         fault = self.subscription.fault(self.clock.now, DECLARED_DELAY)
         return None if fault is None else fault.kind

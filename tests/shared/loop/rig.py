@@ -124,13 +124,14 @@ class Rig:
     def source(self, topic: Topic, make: Callable[[], Record], period: float = 0.01) -> Source:
         return Source(self.stack, topic, make, period)
 
-    def working(self) -> tuple[Source, Source]:
-        inputs = self.source(WRENCH_EXTERNAL, wrench), self.source(STATE_EE, tool)
+    def working(self) -> Rig:
+        """With both inputs, ``driver`` and ``ee``, for a second."""
+        self.driver, self.ee = self.source(WRENCH_EXTERNAL, wrench), self.source(STATE_EE, tool)
         self.stack.run(1.0)
         assert self.runner.fault is None
         self.service.forget()
         self.commands.clear()
-        return inputs
+        return self
 
     def first_brake(self) -> tuple[float, FaultKind]:
         when = next(now for now, message, _ in self.commands if speed(message) == 0.0)
@@ -159,13 +160,17 @@ class BusyLoop:
             if subscription is not None:
                 subscription.offer(publisher.payload(message, stamp=publisher.stamp() - round(age * 1e9)))
 
-    def run(self, count: int, period: float = 0.01) -> None:
+    def run(self, count: int, period: float = 0.01, cost: float = 0.0) -> None:
+        """Steps at a period [s], each of which takes a time [s]."""
+        self.cost = cost
         for _ in range(count):
             self.clock.advance(period)
             self.deliver()
             self.runner.poll()
 
-    def working(self) -> None:
+    def working(self) -> BusyLoop:
+        """With both inputs, for a second."""
         self.run(100)
         assert self.runner.fault is None
         self.service.forget()
+        return self

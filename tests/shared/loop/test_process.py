@@ -35,9 +35,7 @@ def test_a_signal_never_waits_for_the_lock_of_the_event_that_it_interrupts() -> 
         peppering.join()
 
 
-def test_a_failure_in_the_bus_thread_ends_the_loop_and_brakes() -> None:
-    rig = Rig()
-    rig.working()
+def test_a_failure_in_the_bus_thread_ends_the_loop_and_brakes(rig: Rig) -> None:
     loop = Loop(StopRequest())
 
     def fail(behind: bool = False) -> None:

@@ -58,9 +58,7 @@ def test_it_moves_only_after_half_a_second_of_healthy_inputs_in_any_start_order(
     assert stack.now - healthy_at < 0.6
 
 
-def test_one_step_per_new_driving_sample_and_none_without() -> None:
-    rig = Rig()
-    rig.working()
+def test_one_step_per_new_driving_sample_and_none_without(rig: Rig) -> None:
     rig.stack.run(1.0)
     assert rig.service.calls == ["step"] * 100
     assert {round(dt, 9) for _, dt in rig.service.steps} == {0.01}
@@ -83,9 +81,7 @@ def test_a_slow_driver_is_stepped_by_its_samples_alone() -> None:
     assert all(inputs[WRENCH_EXTERNAL].new for inputs, _ in rig.service.steps)
 
 
-def test_optional_inputs_are_handed_over_and_never_awaited() -> None:
-    rig = Rig()
-    rig.working()
+def test_optional_inputs_are_handed_over_and_never_awaited(rig: Rig) -> None:
     rig.stack.run(0.1)
     assert rig.service.steps[-1][0].get(CONTROL_TARGET) is None
     with pytest.raises(KeyError):
@@ -139,9 +135,7 @@ def test_a_message_still_on_its_way_when_an_input_is_left_is_not_used_afterwards
     assert rig.service.steps and not any(inputs.get(SENSOR_FT) for inputs, _ in rig.service.steps)
 
 
-def test_two_messages_of_one_instant_are_two() -> None:
-    rig = Rig()
-    rig.working()
+def test_two_messages_of_one_instant_are_two(rig: Rig) -> None:
     seen = []
     rig.service.on_step = lambda inputs: seen.append(inputs.get(CONTROL_TARGET))
     for _ in range(2):
@@ -162,13 +156,11 @@ def test_a_required_input_that_never_ages() -> None:
     assert rig.runner.fault is None
 
 
-def test_dt_is_the_time_between_two_calls_and_clamped() -> None:
-    rig = Rig()
-    driver, _ = rig.working()
-    driver.period = 0.02
+def test_dt_is_the_time_between_two_calls_and_clamped(rig: Rig) -> None:
+    rig.driver.period = 0.02
     rig.stack.run(0.2)
     assert rig.service.steps[-1][1] == pytest.approx(0.02)
-    driver.on = False
+    rig.driver.on = False
     rig.stack.run(1.0)
     assert all(dt <= LONGEST_DT for _, dt in (*rig.service.steps, *rig.service.brakes))
 
@@ -189,9 +181,7 @@ def test_sequences_advance_by_one_and_the_session_stays() -> None:
     assert len({header.session for header in headers}) == 1
 
 
-def test_an_output_keeps_the_doubt_of_its_maker() -> None:
-    rig = Rig()
-    rig.working()
+def test_an_output_keeps_the_doubt_of_its_maker(rig: Rig) -> None:
     step = rig.service.step
     rig.service.step = lambda inputs, dt: [  # type: ignore[method-assign]
         type(output)(output.topic, output.message, valid=False) for output in step(inputs, dt)

@@ -19,10 +19,11 @@ from tests.shared.loop.rig import Rig, speed
 from tests.shared.rig import wrench
 
 
-@pytest.mark.parametrize(("lost", "topic", "limit"), [(0, WRENCH_EXTERNAL, 0.03), (1, STATE_EE, 0.1)])
-def test_a_silent_input_brakes_when_its_age_is_over(lost: int, topic: Topic, limit: float) -> None:
-    rig = Rig()
-    rig.working()[lost].on = False
+@pytest.mark.parametrize(
+    ("lost", "topic", "limit"), [("driver", WRENCH_EXTERNAL, 0.03), ("ee", STATE_EE, 0.1)]
+)
+def test_a_silent_input_brakes_when_its_age_is_over(rig: Rig, lost: str, topic: Topic, limit: float) -> None:
+    getattr(rig, lost).on = False
     silent_since = rig.stack.now
     rig.stack.run(0.5)
     when, kind = rig.first_brake()
@@ -32,23 +33,19 @@ def test_a_silent_input_brakes_when_its_age_is_over(lost: int, topic: Topic, lim
     assert rig.service.brakes[0][0].key == topic.key
 
 
-def test_a_short_silence_is_over_with_the_next_sample() -> None:
-    rig = Rig()
-    driver, _ = rig.working()
-    driver.on = False
+def test_a_short_silence_is_over_with_the_next_sample(rig: Rig) -> None:
+    rig.driver.on = False
     rig.stack.run(0.05)
-    driver.on = True
+    rig.driver.on = True
     rig.stack.run(0.03)
     assert rig.service.brakes
     assert rig.runner.fault is None
 
 
-def test_a_long_silence_is_followed_by_half_a_second_of_healthy_inputs() -> None:
-    rig = Rig()
-    driver, _ = rig.working()
-    driver.on = False
+def test_a_long_silence_is_followed_by_half_a_second_of_healthy_inputs(rig: Rig) -> None:
+    rig.driver.on = False
     rig.stack.run(0.5)
-    driver.on = True
+    rig.driver.on = True
     rig.service.steps.clear()
     rig.stack.run(0.49)
     assert not rig.service.steps and rig.service.brakes[-1][0].kind is FaultKind.ARMING
@@ -57,15 +54,13 @@ def test_a_long_silence_is_followed_by_half_a_second_of_healthy_inputs() -> None
 
 
 @pytest.mark.parametrize("begins", [True, False], ids=["valid", "invalid"])
-def test_a_new_session_of_an_input_is_armed_anew(begins: bool) -> None:
-    rig = Rig()
-    driver, _ = rig.working()
-    driver.on = False
+def test_a_new_session_of_an_input_is_armed_anew(rig: Rig, begins: bool) -> None:
+    rig.driver.on = False
     rig.stack.run(0.04)
-    driver.restart()
-    driver.on, driver.valid = True, begins
+    rig.driver.restart()
+    rig.driver.on, rig.driver.valid = True, begins
     rig.stack.run(0.03)
-    driver.valid = True
+    rig.driver.valid = True
     rig.service.steps.clear()
     rig.stack.run(0.45)
     assert not rig.service.steps
@@ -73,31 +68,25 @@ def test_a_new_session_of_an_input_is_armed_anew(begins: bool) -> None:
     assert rig.service.steps
 
 
-def test_an_invalid_input_brakes_at_once_and_its_word_is_handed_over() -> None:
-    rig = Rig()
-    driver, _ = rig.working()
-    driver.make = lambda: wrench(fault="stuck")
-    driver.valid = False
+def test_an_invalid_input_brakes_at_once_and_its_word_is_handed_over(rig: Rig) -> None:
+    rig.driver.make = lambda: wrench(fault="stuck")
+    rig.driver.valid = False
     rig.stack.run(0.011)
     fault = rig.service.brakes[0][0]
     assert fault.kind is FaultKind.INVALID and fault.word == "stuck"
     assert rig.service.calls[-1] == "brake invalid"
 
 
-def test_the_more_fundamental_fault_is_handed_over() -> None:
-    rig = Rig()
-    driver, ee = rig.working()
-    driver.valid = False
-    ee.on = False
+def test_the_more_fundamental_fault_is_handed_over(rig: Rig) -> None:
+    rig.driver.valid = False
+    rig.ee.on = False
     rig.stack.run(0.3)
     assert rig.service.brakes[-1][0].kind is FaultKind.SILENT
     assert rig.service.brakes[-1][0].key == STATE_EE.key
 
 
-def test_garbage_in_place_of_samples_brakes() -> None:
-    rig = Rig()
-    driver, _ = rig.working()
-    driver.bend = lambda payload: payload[:-3]
+def test_garbage_in_place_of_samples_brakes(rig: Rig) -> None:
+    rig.driver.bend = lambda payload: payload[:-3]
     rig.stack.run(0.1)
     assert rig.service.brakes[-1][0].kind is FaultKind.REFUSED
     assert rig.runner.subscriptions[WRENCH_EXTERNAL.key].rejected == 10
@@ -122,9 +111,9 @@ def fails(problem: Exception) -> Callable[[], object]:
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_an_exception_in_a_step_brakes_in_the_same_tick(step: Callable[[], object], says: str) -> None:
-    rig = Rig()
-    rig.working()
+def test_an_exception_in_a_step_brakes_in_the_same_tick(
+    rig: Rig, step: Callable[[], object], says: str
+) -> None:
 
     def fail(_inputs: object) -> None:
         rig.service.on_step = lambda inputs: None
@@ -140,18 +129,14 @@ def test_an_exception_in_a_step_brakes_in_the_same_tick(step: Callable[[], objec
     assert rig.service.calls[-1] == "step"
 
 
-def test_closing_brakes_once_more() -> None:
-    rig = Rig()
-    rig.working()
+def test_closing_brakes_once_more(rig: Rig) -> None:
     rig.runner.close()
     rig.stack.run(0.0)
     assert rig.service.brakes[-1][0].kind is FaultKind.SHUTDOWN
     assert speed(rig.commands[-1][1]) == 0.0
 
 
-def test_what_was_refused_is_handed_over_in_words() -> None:
-    rig = Rig()
-    rig.working()
+def test_what_was_refused_is_handed_over_in_words(rig: Rig) -> None:
     rig.stack.bus.publish(CONTROL_TARGET.key, b"garbage")
     rig.stack.run(0.05)
     assert "1 rejected" in rig.service.steps[-1][0].refusals(CONTROL_TARGET)

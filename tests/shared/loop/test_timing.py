@@ -14,24 +14,17 @@ from tests.shared.rig import ManualClock
 
 def test_a_step_within_its_period_is_no_overrun() -> None:
     loop = BusyLoop()
-    loop.cost = 0.009
-    loop.run(300, period=0.001)
+    loop.run(300, period=0.001, cost=0.009)
     assert loop.runner.timing.overruns == 0
 
 
-def test_late_steps_are_counted_and_more_than_a_twentieth_of_them_brakes() -> None:
-    loop = BusyLoop()
-    loop.working()
+def test_late_steps_are_counted_and_more_than_a_twentieth_of_them_brakes(loop: BusyLoop) -> None:
     for _ in range(4):
-        loop.cost = 0.012
-        loop.run(1)
-        loop.cost = 0.0
+        loop.run(1, cost=0.012)
         loop.run(15)
     assert loop.runner.timing.overruns == 4
     assert "brake overrun" not in loop.service.calls
-    loop.cost = 0.012
-    loop.run(4)
-    loop.cost = 0.0
+    loop.run(4, cost=0.012)
     loop.run(1)
     fault = loop.runner.fault
     assert fault is not None and fault.kind is FaultKind.OVERRUN
@@ -40,9 +33,7 @@ def test_late_steps_are_counted_and_more_than_a_twentieth_of_them_brakes() -> No
     assert loop.runner.fault is None
 
 
-def test_one_stall_of_more_than_five_periods_brakes_and_is_not_caught_up() -> None:
-    loop = BusyLoop()
-    loop.working()
+def test_one_stall_of_more_than_five_periods_brakes_and_is_not_caught_up(loop: BusyLoop) -> None:
     loop.clock.advance(0.01)
     for _ in range(8):
         loop.deliver()
@@ -56,9 +47,7 @@ def test_one_stall_of_more_than_five_periods_brakes_and_is_not_caught_up() -> No
     assert loop.service.calls == ["brake overrun"] + ["step"] * 3
 
 
-def test_a_burst_that_the_network_delivers_at_once_is_no_overrun() -> None:
-    loop = BusyLoop()
-    loop.working()
+def test_a_burst_that_the_network_delivers_at_once_is_no_overrun(loop: BusyLoop) -> None:
     for _ in range(50):
         loop.clock.advance(0.02)
         loop.deliver(age=0.01)
@@ -68,21 +57,15 @@ def test_a_burst_that_the_network_delivers_at_once_is_no_overrun() -> None:
     assert loop.runner.timing.overruns == 0
 
 
-def test_a_sample_that_waited_for_the_work_before_counts_that_work_as_its_own_delay() -> None:
-    loop = BusyLoop()
-    loop.working()
-    loop.cost = 0.062
-    loop.run(1)
-    loop.cost = 0.0
+def test_a_sample_that_waited_for_the_work_before_counts_that_work_as_its_own_delay(loop: BusyLoop) -> None:
+    loop.run(1, cost=0.062)
     for age in (0.05, 0.04, 0.03, 0.02, 0.01, 0.0):
         loop.deliver(age)
     loop.runner.poll(behind=True)
     assert loop.service.calls == ["step", "brake overrun"]
 
 
-def test_a_sample_accepted_while_the_loop_reads_is_no_overrun() -> None:
-    loop = BusyLoop()
-    loop.working()
+def test_a_sample_accepted_while_the_loop_reads_is_no_overrun(loop: BusyLoop) -> None:
     subscription = loop.runner.subscriptions[WRENCH_EXTERNAL.key]
     waiting_since = subscription.waiting_since
 
@@ -99,12 +82,8 @@ def test_a_sample_accepted_while_the_loop_reads_is_no_overrun() -> None:
     assert loop.runner.timing.overruns == 0
 
 
-def test_dt_of_the_step_after_a_stall_is_clamped() -> None:
-    loop = BusyLoop()
-    loop.working()
-    loop.cost = 5.0
-    loop.run(1)
-    loop.cost = 0.0
+def test_dt_of_the_step_after_a_stall_is_clamped(loop: BusyLoop) -> None:
+    loop.run(1, cost=5.0)
     loop.run(30)
     assert max(dt for _, dt in (*loop.service.steps, *loop.service.brakes)) <= LONGEST_DT
 
@@ -158,10 +137,8 @@ def test_latencies_are_those_of_the_last_second() -> None:
     assert timing.summary(clock.now) == (0.0, 0.0, 0.0)
 
 
-def test_after_an_absence_of_the_whole_process_it_arms_anew() -> None:
+def test_after_an_absence_of_the_whole_process_it_arms_anew(loop: BusyLoop) -> None:
     """Stopped and continued: the inputs are healthy again at the first look, but nobody watched them meanwhile."""
-    loop = BusyLoop()
-    loop.working()
     loop.clock.advance(2.0)
     loop.run(45)
     assert "step" not in loop.service.calls
@@ -169,14 +146,11 @@ def test_after_an_absence_of_the_whole_process_it_arms_anew() -> None:
     assert loop.service.calls[-1] == "step"
 
 
-def test_a_process_stopped_within_a_step_does_not_pass_its_output_off_as_fresh() -> None:
-    loop = BusyLoop()
-    loop.working()
+def test_a_process_stopped_within_a_step_does_not_pass_its_output_off_as_fresh(loop: BusyLoop) -> None:
     headers: list[Header] = []
     loop.bus.subscribe(COMMAND_EE_TWIST.key, lambda payload: headers.append(decode(TwistCommand, payload)[0]))
-    loop.cost = 1.0
     before = loop.clock.now
-    loop.run(1)
+    loop.run(1, cost=1.0)
     loop.scheduler.run_until(0)
     assert loop.clock.now - before > 10**9
     assert headers[0].stamp - before == 10_000_000

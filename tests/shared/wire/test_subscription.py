@@ -18,8 +18,7 @@ from shared.wire.subscription import HANDOVER_LIMIT, Subscription
 from tests.shared.rig import DECLARED_DELAY, ZERO, Feed, ManualClock, Publisher, ft_sample, target, wrench
 
 
-def test_never_seen_then_healthy() -> None:
-    feed = Feed()
+def test_never_seen_then_healthy(feed: Feed) -> None:
     assert feed.fault() is FaultKind.NEVER_SEEN
     assert feed.subscription.age(feed.clock.now) == -1.0
     feed.run(1)
@@ -27,15 +26,14 @@ def test_never_seen_then_healthy() -> None:
     assert feed.subscription.age(feed.clock.now) == 0.0
 
 
-def test_duplicates_and_older_messages_are_dropped_and_counted() -> None:
-    feed = Feed()
+def test_duplicates_and_older_messages_are_dropped_and_counted(feed: Feed) -> None:
     feed.run(3)
     newest = feed.subscription.latest
     assert newest is not None
     feed.clock.advance(0.005)
     for seq in (2, 1, 0, 2):
-        feed.subscription.offer(feed.first.payload(ft_sample(9.0), seq=seq))
-    feed.subscription.offer(feed.first.payload(ft_sample(9.0), seq=3, stamp=newest.header.stamp - 1))
+        feed.offer(force=9.0, seq=seq)
+    feed.offer(force=9.0, seq=3, stamp=newest.header.stamp - 1)
     assert feed.subscription.latest is newest
     assert feed.subscription.out_of_order == 5
     assert len(feed.received) == 3
@@ -58,13 +56,12 @@ def test_in_any_order_of_arrival_sequence_and_stamp_only_advance(order: list[int
     assert feed.subscription.accepted + feed.subscription.out_of_order == 30 + len(again)
 
 
-def test_a_second_session_is_refused_while_the_first_lives() -> None:
-    feed = Feed()
+def test_a_second_session_is_refused_while_the_first_lives(feed: Feed) -> None:
     second = Publisher(feed.clock, session=2)
     feed.run(5)
     for _ in range(50):
         feed.run(1)
-        feed.subscription.offer(second.payload(ft_sample(99.0)))
+        feed.offer(second, force=99.0)
     assert feed.subscription.second_session == 50
     assert all(received.header.session == 1 for received in feed.received)
     assert "second session" in feed.subscription.refusals
@@ -110,8 +107,7 @@ def test_anybody_may_stop_at_any_time() -> None:
     assert feed.subscription.accepted == 5 and feed.subscription.second_session == 0
 
 
-def test_garbage_is_counted_and_changes_nothing_else() -> None:
-    feed = Feed()
+def test_garbage_is_counted_and_changes_nothing_else(feed: Feed) -> None:
     feed.run(3)
     newest = feed.subscription.latest
     for payload in (b"", b"\xc1", b"\x80", bytes(MAP_CAP + 1), feed.first.payload(ft_sample())[:-1]):
@@ -123,8 +119,7 @@ def test_garbage_is_counted_and_changes_nothing_else() -> None:
     assert feed.fault() is FaultKind.REFUSED
 
 
-def test_nothing_but_garbage_is_told_from_nothing_at_all() -> None:
-    feed = Feed()
+def test_nothing_but_garbage_is_told_from_nothing_at_all(feed: Feed) -> None:
     feed.subscription.offer(b"\x81\xa3seq\x01")
     fault = feed.subscription.fault(feed.clock.now, DECLARED_DELAY)
     assert fault is not None and fault.kind is FaultKind.REFUSED and "session is missing" in fault.text
@@ -140,12 +135,11 @@ def test_an_invalid_message_is_reported_with_the_publishers_word_and_no_more() -
 
 
 @pytest.mark.parametrize("forward", ["seq", "stamp"])
-def test_one_message_far_ahead_does_not_make_the_topic_deaf_for_ever(forward: str) -> None:
-    feed = Feed()
+def test_one_message_far_ahead_does_not_make_the_topic_deaf_for_ever(feed: Feed, forward: str) -> None:
     feed.run(50)
     seq = 2**62 if forward == "seq" else None
     stamp = feed.first.stamp() + 10**15 if forward == "stamp" else None
-    feed.subscription.offer(feed.first.payload(ft_sample(), seq=seq, stamp=stamp))
+    feed.offer(seq=seq, stamp=stamp)
     feed.run(5)
     assert feed.subscription.accepted == 51
     feed.run(120)
@@ -155,8 +149,7 @@ def test_one_message_far_ahead_does_not_make_the_topic_deaf_for_ever(forward: st
     assert latest.delay < 0.001
 
 
-def test_a_message_repeated_for_ever_never_counts_as_new() -> None:
-    feed = Feed()
+def test_a_message_repeated_for_ever_never_counts_as_new(feed: Feed) -> None:
     feed.run(5)
     payload = feed.first.payload(ft_sample(), seq=3)
     for _ in range(300):
@@ -166,9 +159,8 @@ def test_a_message_repeated_for_ever_never_counts_as_new() -> None:
     assert feed.fault() is FaultKind.SILENT
 
 
-def test_threads_may_offer_at_once() -> None:
+def test_threads_may_offer_at_once(feed: Feed) -> None:
     """Whatever the interleaving: each message is accepted once or counted as out of order, and the newest wins."""
-    feed = Feed()
     count, threads = 500, 4
     payloads = [
         feed.first.payload(ft_sample(), stamp=feed.first.stamp() + number)
@@ -192,8 +184,7 @@ def test_threads_may_offer_at_once() -> None:
     assert feed.subscription.accepted + feed.subscription.out_of_order == count * threads
 
 
-def test_headers_of_extreme_integers_do_no_harm() -> None:
-    feed = Feed()
+def test_headers_of_extreme_integers_do_no_harm(feed: Feed) -> None:
     for seq, session, stamp in (
         (0, 0, 2**64 - 1),
         (2**64 - 1, 0, 2**64 - 1),
@@ -201,7 +192,7 @@ def test_headers_of_extreme_integers_do_no_harm() -> None:
         (6, 1, 2**64 - 1),
     ):
         feed.clock.advance(2.0)
-        feed.subscription.offer(Publisher(feed.clock, session).payload(ft_sample(), seq=seq, stamp=stamp))
+        feed.offer(Publisher(feed.clock, session), seq=seq, stamp=stamp)
         feed.fault()
         assert np.isfinite(
             [feed.subscription.age(feed.clock.now), feed.subscription.loss(), feed.subscription.age_limit]

@@ -30,8 +30,7 @@ def test_silence_is_three_measured_periods_but_no_less_than_the_maximum_age(
     assert feed.fault() is FaultKind.SILENT
 
 
-def test_a_stamp_that_lies_cannot_stretch_the_allowed_age() -> None:
-    feed = Feed()
+def test_a_stamp_that_lies_cannot_stretch_the_allowed_age(feed: Feed) -> None:
     feed.run(5)
     for hour in range(1, 20):
         feed.clock.advance(0.01)
@@ -58,8 +57,7 @@ def test_delay_growth_is_seen_without_synchronised_clocks(epoch: float, transit:
         assert feed.subscription.age(feed.clock.now) == pytest.approx(growth, abs=3e-3)
 
 
-def test_delay_is_measured_again_for_a_new_session() -> None:
-    feed = Feed()
+def test_delay_is_measured_again_for_a_new_session(feed: Feed) -> None:
     feed.run(5)
     feed.clock.advance(0.2)
     feed.run(1, Publisher(feed.clock, session=2, epoch=-77.0))
@@ -67,8 +65,7 @@ def test_delay_is_measured_again_for_a_new_session() -> None:
     assert latest is not None and latest.header.session == 2 and latest.delay == 0.0
 
 
-def test_a_burst_after_a_stall_is_late_until_it_is_through() -> None:
-    feed = Feed()
+def test_a_burst_after_a_stall_is_late_until_it_is_through(feed: Feed) -> None:
     feed.run(20)
     held_back = []
     for _ in range(100):
@@ -83,9 +80,8 @@ def test_a_burst_after_a_stall_is_late_until_it_is_through() -> None:
 
 
 @pytest.mark.parametrize(("lost", "usable"), [(0.0, 1.0), (0.05, 1.0), (0.2, 0.99), (0.4, 0.1), (0.6, 0.0)])
-def test_random_loss(lost: float, usable: float) -> None:
+def test_random_loss(feed: Feed, lost: float, usable: float) -> None:
     """A fifth lost on average passes, two fifths do not; the share over a second is what is judged."""
-    feed = Feed()
     draw = random.Random(7)
     judged = []
     for index in range(6000):
@@ -98,8 +94,7 @@ def test_random_loss(lost: float, usable: float) -> None:
     assert np.mean(judged) >= usable if lost < LOSS_LIMIT else np.mean(judged) <= usable
 
 
-def test_the_sequences_of_two_sessions_are_no_loss() -> None:
-    feed = Feed()
+def test_the_sequences_of_two_sessions_are_no_loss(feed: Feed) -> None:
     feed.run(50)
     feed.clock.advance(0.2)
     second = Publisher(feed.clock, session=2)
@@ -109,30 +104,27 @@ def test_the_sequences_of_two_sessions_are_no_loss() -> None:
     assert feed.fault() is None
 
 
-def test_the_first_messages_do_not_count_as_loss() -> None:
-    feed = Feed()
+def test_the_first_messages_do_not_count_as_loss(feed: Feed) -> None:
     for seq in (0, 2, 5):
         feed.clock.advance(0.01)
-        feed.subscription.offer(feed.first.payload(ft_sample(), seq=seq))
+        feed.offer(seq=seq)
     assert feed.subscription.loss() == 0.0
     assert feed.fault() is None
 
 
-def test_the_rate_is_that_of_the_last_second() -> None:
-    feed = Feed()
+def test_the_rate_is_that_of_the_last_second(feed: Feed) -> None:
     feed.run(300)
     assert feed.subscription.rate(feed.clock.now) == pytest.approx(100.0, rel=0.02)
     feed.clock.advance(2.0)
     assert feed.subscription.rate(feed.clock.now) == 0.0
 
 
-def test_messages_that_wait_are_known_by_the_first_of_them() -> None:
-    feed = Feed()
+def test_messages_that_wait_are_known_by_the_first_of_them(feed: Feed) -> None:
     feed.run(10)
     number = feed.subscription.accepted
     feed.clock.advance(0.01)
     first = feed.clock.now
-    feed.subscription.offer(feed.first.payload(ft_sample()))
+    feed.offer()
     feed.run(4)
     assert feed.subscription.waiting_since(number) == first
     assert feed.subscription.waiting_since(feed.subscription.accepted - 1) == feed.clock.now
