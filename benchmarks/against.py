@@ -18,7 +18,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tests.support.revision import ROOT, worktree
+from tests.support.processes import ROOT
+from tests.support.revision import worktree
 
 TURNS = 10
 _PLACE = "from pathlib import Path; import shared; print(Path(next(iter(shared.__path__))).resolve().parent)"

@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.progress import track
 
 from benchmarks.contact import claims, figure, report
-from benchmarks.contact.measure import SCRIPTED, Job, Row, plan, run_all, shuffled, summarise
+from benchmarks.contact.measure import SCRIPTED, Job, Row, plan, run_all, shuffled
 from benchmarks.contact.sampling import GROUPS
 
 _QUICK_CASES = 30
@@ -38,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         console.print("stopped; what follows is about the cases run so far, an even sample of all sets")
     rows.sort(key=lambda row: (list((*GROUPS, *SCRIPTED)).index(row.job.group), row.job.number))
-    summaries = summarise(rows)
+    summaries = report.summarise(rows)
     report.print_summaries(console, summaries)
     if options.only:
         return 0

@@ -135,7 +135,7 @@ def approaches() -> list[Claim]:
 
 
 def _run(law: str, case: Case) -> Result:
-    return simulate(case, make_law(law, case))
+    return simulate(make_law(law, case))
 
 
 def _approach(law: str, name: str, period: float, axis: int) -> float:
@@ -146,7 +146,7 @@ def _approach(law: str, name: str, period: float, axis: int) -> float:
     case = scripted.approach(name, period, axis)
     paths, times = [], []
     for duration in (1.0, 1.5) if axis < 3 else (0.015, 0.035 + period):
-        result = simulate(replace(case, duration=duration, quiet=0.0), make_law(law, case), keep_trace=True)
+        result = simulate(make_law(law, replace(case, duration=duration, quiet=0.0)), keep_trace=True)
         assert result.trace is not None
         paths.append(result.travelled if axis < 3 else result.turned)
         times.append(float(result.trace.times[-1]))

@@ -54,16 +54,13 @@ class Spring:
     rest: Array
 
     def forces(self, path: Array, memory: Memory) -> Array:
-        """See ``ElasticLaw``."""
         return self.probe(path, memory)
 
     def probe(self, points: Array, memory: Memory) -> Array:
-        """See ``ElasticLaw``."""
         return (self.rest - points) @ self.matrix
 
     @property
     def stiffness(self) -> float:
-        """See ``ElasticLaw``."""
         return float(np.linalg.eigvalsh(self.matrix)[-1])
 
 
@@ -91,7 +88,6 @@ class Surface:
     two_sided: bool = False
 
     def forces(self, path: Array, memory: Memory) -> Array:
-        """See ``ElasticLaw``."""
         pressing = self._pressing(path)
         result = pressing[:, None] * self.normal
         if self.friction > 0.0:
@@ -101,7 +97,6 @@ class Surface:
         return result
 
     def probe(self, points: Array, memory: Memory) -> Array:
-        """See ``ElasticLaw``."""
         pressing = self._pressing(points)
         result = pressing[:, None] * self.normal
         if self.friction > 0.0:
@@ -135,7 +130,6 @@ class Surface:
 
     @property
     def stiffness(self) -> float:
-        """See ``ElasticLaw``."""
         return max(self.normal_stiffness, self.tangential_stiffness if self.friction > 0.0 else 0.0)
 
 
@@ -147,9 +141,7 @@ class Load:
     stiffness: float = 0.0
 
     def forces(self, path: Array, memory: Memory) -> Array:
-        """See ``ElasticLaw``."""
         return self.probe(path, memory)
 
     def probe(self, points: Array, memory: Memory) -> Array:
-        """See ``ElasticLaw``."""
         return np.tile(self.force, (len(points), 1))

@@ -70,7 +70,7 @@ def _peaks(axes: Axes, rows: list[Row], title: str) -> None:
 def _wall(axes: Axes) -> None:
     case = scripted.wall("slide", scripted.WALL_STIFFNESS)
     for law, (colour, label) in STYLE.items():
-        trace = simulate(case, make_law(law, case), keep_trace=True).trace
+        trace = simulate(make_law(law, case), keep_trace=True).trace
         assert trace is not None
         axes.plot(
             trace.times,

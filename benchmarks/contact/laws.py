@@ -6,18 +6,18 @@ from dataclasses import asdict
 from typing import Any
 
 from benchmarks.contact.adversary import YIELD_START
-from benchmarks.contact.cases import Case, Target
-from services.controller.laws.certified import CertifiedLaw
+from benchmarks.contact.cases import Case
+from benchmarks.contact.robot import Robot
+from services.controller import laws
 from services.controller.laws.law import Law, LawInput
-from services.controller.laws.paper_and_spring import PaperLaw, StiffnessLaw
 from services.controller.parameters import ControllerParameters
 from shared.spatial import Array
 
-_SETTINGS: dict[str, tuple[type[Law], dict[str, Any]]] = {
-    "paper": (PaperLaw, {"law": "paper"}),
-    "stiffness": (StiffnessLaw, {"law": "stiffness"}),
-    "certified": (CertifiedLaw, {}),
-    "certified-rounded": (CertifiedLaw, {"yield_start": YIELD_START}),
+_SETTINGS: dict[str, dict[str, Any]] = {
+    "paper": {"law": "paper"},
+    "stiffness": {"law": "stiffness"},
+    "certified": {},
+    "certified-rounded": {"yield_start": YIELD_START},
 }
 LAWS = tuple(_SETTINGS)
 
@@ -27,26 +27,26 @@ class CaseLaw:
 
     Attributes:
         law: the controller's.
+        case: what is declared to it.
         ticks: how often it was asked.
         failures: why it braked instead of answering, once per tick in which it did.
     """
 
-    def __init__(self, law: Law) -> None:
-        self.law = law
+    def __init__(self, law: Law, case: Case) -> None:
+        self.law, self.case = law, case
         self.ticks = 0
         self.failures: list[str] = []
 
-    def twist(
-        self, wrench: Array, position: Array, rotation: Array, target: Target, case: Case, dt: float
-    ) -> Array:
-        """Commanded twist (6,), see ``simulate.Law``."""
+    def twist(self, wrench: Array, robot: Robot, now: float, dt: float) -> Array:
+        """Commanded twist (6,) for a measured wrench (6,), nominal not yet subtracted, at the time ``now`` [s]."""
+        case, target = self.case, self.case.target(now)
         output = self.law.step(
             LawInput(
                 wrench=wrench - case.nominal,
                 limit=case.limit,
                 error_bound=case.error_bound,
-                position=position,
-                rotation=rotation,
+                position=robot.position,
+                rotation=robot.rotation,
                 target_position=target.position,
                 target_rotation=target.rotation,
                 nominal=case.nominal,
@@ -66,7 +66,7 @@ def parameters(name: str, case: Case) -> ControllerParameters:
     torque_rate = 10.0 if case.limit[3] < 1.0 else 1.0
     return ControllerParameters(
         **asdict(case.declared),
-        **_SETTINGS[name][1],
+        **_SETTINGS[name],
         barrier_rate=(1.0, 1.0, 1.0, torque_rate, torque_rate, torque_rate),
         period=timing.declared_period,
         delay=timing.declared_delay,
@@ -76,4 +76,4 @@ def parameters(name: str, case: Case) -> ControllerParameters:
 
 def make_law(name: str, case: Case) -> CaseLaw:
     """The law called ``name`` in ``LAWS``, at rest."""
-    return CaseLaw(_SETTINGS[name][0](parameters(name, case)))
+    return CaseLaw(laws.make_law(parameters(name, case)), case)

@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
-import numpy as np
-
 from benchmarks.contact import scripted
 from benchmarks.contact.cases import Case
 from benchmarks.contact.laws import LAWS, make_law
@@ -18,6 +16,11 @@ from benchmarks.contact.simulate import Result, simulate
 OVER = 1.0005
 """A peak counts as over the limit from here on: what the simulation's own rounding leaves open."""
 
+_RECORDED = (
+    *("peak", "axis", "time", "travelled", "turned", "missing"),
+    *("swing", "turns", "sustained", "within_reach", "within_squeeze"),
+)
+"""Columns of the CSV that are the result's."""
 SCRIPTED = {
     "oblique spring": scripted.oblique_spring,
     "turning face": scripted.turning_face,
@@ -60,30 +63,11 @@ class Row:
         return self.result.peak > OVER
 
     def record(self) -> dict[str, object]:
-        """Flat and plain, for the CSV."""
-        result = self.result
-        return {
-            "set": self.job.group,
-            "number": self.job.number,
-            "seed": self.job.seed,
-            "law": self.law,
-            "rate_hz": round(self.rate, 3),
-            "adversary": self.adversary,
-            "peak_over_limit": result.peak,
-            "axis": ("fx", "fy", "fz", "tx", "ty", "tz")[result.axis],
-            "time_s": result.time,
-            "travelled_m": result.travelled,
-            "turned_rad": result.turned,
-            "missing_m": result.missing,
-            "swing_first": result.swing[0],
-            "swing_second": result.swing[1],
-            "turns": result.turns,
-            "sustained": int(result.sustained),
-            "ticks": self.ticks,
-            "solver_failures": len(self.failures),
-            "within_reach": int(result.within_reach),
-            "within_squeeze": int(result.within_squeeze),
-        }
+        """Flat and plain, for the CSV: lengths in metres, peaks in limits."""
+        job = {"set": self.job.group, "number": self.job.number, "seed": self.job.seed, "law": self.law}
+        job |= {"rate_hz": round(self.rate, 3), "adversary": self.adversary}
+        found = {name: getattr(self.result, name) for name in _RECORDED}
+        return {**job, **found, "ticks": self.ticks, "solver_failures": len(self.failures)}
 
 
 def run_job(job: Job) -> list[Row]:
@@ -92,7 +76,7 @@ def run_job(job: Job) -> list[Row]:
     rows = []
     for name in job.laws:
         law = make_law(name, case)
-        result = simulate(case, law)
+        result = simulate(law)
         rate, failures = 1.0 / case.timing.period, tuple(law.failures)
         rows.append(Row(job, name, rate, case.adversary, case.at_rest, result, law.ticks, failures))
     return rows
@@ -105,52 +89,6 @@ def run_all(jobs: list[Job], processes: int) -> Iterator[list[Row]]:
         return
     with ProcessPoolExecutor(processes) as pool:
         yield from pool.map(run_job, jobs, chunksize=4)
-
-
-@dataclass(frozen=True)
-class Summary:
-    """One law over one set; peaks in limits, lengths in metres."""
-
-    group: str
-    law: str
-    cases: int
-    covered: int
-    p50: float
-    p95: float
-    highest: float
-    over: float
-    sustained: float
-    travelled: float
-    missing: float
-
-
-def summarise(rows: list[Row]) -> list[Summary]:
-    """One summary per set and law, sets in the order of the rows."""
-    groups = list(dict.fromkeys(row.job.group for row in rows))
-    laws = list(dict.fromkeys(row.law for row in rows))
-    return [
-        _summary(group, law, chosen)
-        for group in groups
-        for law in laws
-        if (chosen := [row.result for row in rows if row.job.group == group and row.law == law])
-    ]
-
-
-def _summary(group: str, law: str, results: list[Result]) -> Summary:
-    peaks = np.array([result.peak for result in results])
-    return Summary(
-        group=group,
-        law=law,
-        cases=len(results),
-        covered=sum(result.covered for result in results),
-        p50=float(np.quantile(peaks, 0.5)),
-        p95=float(np.quantile(peaks, 0.95)),
-        highest=float(peaks.max()),
-        over=float(np.mean(peaks > OVER)),
-        sustained=float(np.mean([result.sustained for result in results])),
-        travelled=float(np.median([result.travelled for result in results])),
-        missing=float(np.median([result.missing for result in results])),
-    )
 
 
 def plan(seed: int, cases: int) -> list[Job]:

@@ -8,11 +8,12 @@ as such and judged apart. Exit status 1 if a case inside the guarantee exceeded 
 from __future__ import annotations
 
 import argparse
-import csv
+import itertools
+import json
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from benchmarks.contact.cases import Case, Timing
 from benchmarks.contact.laws import parameters
 from benchmarks.contact.live import LiveRobot, Measured
 from benchmarks.contact.measure import OVER
+from benchmarks.contact.report import write_csv
 from benchmarks.contact.sampling import draw
 from shared.wire.client import Client
 from shared.wire.zenoh import ZenohBus
@@ -79,11 +81,10 @@ def run_case(robot: LiveRobot, processes: Processes, endpoint: str, case: Case, 
 
 
 def _arguments(case: Case, form: str, endpoint: str) -> list[str]:
-    arguments = ["--connect", endpoint]
-    for name, value in parameters(form, case).model_dump(exclude_defaults=True).items():
-        text = f'"{value}"' if isinstance(value, str) else list(value) if isinstance(value, tuple) else value
-        arguments += ["--set", f"{name}={text}"]
-    return arguments
+    given = parameters(form, case).model_dump(exclude_defaults=True)
+    # JSON's numbers, lists and strings are TOML's too.
+    settings = (("--set", f"{name}={json.dumps(value)}") for name, value in given.items())
+    return ["--connect", endpoint, *itertools.chain(*settings)]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -150,15 +151,12 @@ def _show(console: Console, outcomes: list[Outcome]) -> None:
 
 
 def _write(folder: Path, outcomes: list[Outcome]) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder / "processes.csv").open("w", newline="") as file:
-        names = ("set", "number", "form", "verdict", "peak", "travelled", "held", "delay", "stalls")
-        writer = csv.DictWriter(file, names)
-        writer.writeheader()
-        for one in outcomes:
-            row = {name: value for name, value in asdict(one.measured).items() if name in names}
-            row |= {"set": one.group, "number": one.number, "form": one.form, "verdict": one.verdict}
-            writer.writerow(row | {"delay": one.measured.delay})
+    records = []
+    for one in outcomes:
+        case = {"set": one.group, "number": one.number, "form": one.form, "verdict": one.verdict}
+        measured = ("peak", "travelled", "held", "delay", "stalls")
+        records.append(case | {name: getattr(one.measured, name) for name in measured})
+    write_csv(folder / "processes.csv", records)
 
 
 def _status(console: Console, outcomes: list[Outcome]) -> int:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -188,13 +188,9 @@ def _relaxed(contact: Contact, position: Array, rotation: Array) -> Contact:
     law = contact.law
     base = position + rotation @ contact.point if contact.carried else rotation.T @ (contact.point - position)
     if isinstance(law, Spring):
-        return Contact(contact.point, contact.carried, Spring(law.matrix, (law.rest + base) / 2.0))
+        return replace(contact, law=replace(law, rest=(law.rest + base) / 2.0))
     assert isinstance(law, Surface)
-    middle = (law.origin + base) / 2.0
-    surface = Surface(
-        law.normal, middle, law.normal_stiffness, law.tangential_stiffness, law.friction, law.two_sided
-    )
-    return Contact(contact.point, contact.carried, surface)
+    return replace(contact, law=replace(law, origin=(law.origin + base) / 2.0))
 
 
 def _targets(

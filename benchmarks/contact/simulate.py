@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from benchmarks.contact.adversary import CLEVER, Adversary
-from benchmarks.contact.cases import Case, Target
+from benchmarks.contact.cases import Case
+from benchmarks.contact.laws import CaseLaw
 from benchmarks.contact.robot import Path, Robot
 from benchmarks.contact.world import World
 from shared.spatial import Array
@@ -21,16 +21,6 @@ _LONGEST_STEP = 2e-3
 # A swing of the wrench smaller than this share of the limit is no oscillation, nor is turning around less often.
 _SWING = 0.1
 _TURNS = 4
-
-
-class Law(Protocol):
-    """A control law, ready for one case."""
-
-    def twist(
-        self, wrench: Array, position: Array, rotation: Array, target: Target, case: Case, dt: float
-    ) -> Array:
-        """Commanded twist (6,) for a measured wrench (6,), nominal not yet subtracted."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -89,8 +79,9 @@ class Result:
         return self.turns >= _TURNS and second > 0.8 * first
 
 
-def simulate(case: Case, law: Law, keep_trace: bool = False) -> Result:
-    """Runs ``law`` through ``case``."""
+def simulate(law: CaseLaw, keep_trace: bool = False) -> Result:
+    """Runs a law through its case."""
+    case = law.case
     rng = np.random.default_rng(case.seed)
     timing = case.timing
     robot = Robot(case.position.copy(), case.rotation.copy(), timing.lag)
@@ -110,7 +101,7 @@ def simulate(case: Case, law: Law, keep_trace: bool = False) -> Result:
         else:
             error = adversary.hold()
         dt = now - previous if now > 0.0 else timing.period
-        twist = law.twist(seen + error, robot.position, robot.rotation, case.target(now), case, dt)
+        twist = law.twist(seen + error, robot, now, dt)
         robot.command(now + rng.uniform(*timing.delay), twist, timing.declared_period)
         following = now + timing.period * (1.0 + rng.uniform(-timing.jitter, timing.jitter))
         path = robot.advance(now, following, _step(case, reach, robot.fastest, timing.period))

@@ -9,6 +9,7 @@ position in the axes of the law. Arrays along a path have the path's n samples a
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,10 +60,8 @@ class World:
         result = np.zeros((len(positions), 6))
         sizes = np.zeros((len(positions), 3))
         for contact, memory in zip(self.contacts, self._memory, strict=True):
-            points = _local(contact, positions, rotations, shift)
-            force, arm = _on_tool(contact, contact.law.forces(points, memory), positions, rotations, shift)
-            result[:, :3] += force
-            result[:, 3:] += _cross(arm, force)
+            force, arm = _act(contact, contact.law.forces, memory, positions, rotations, shift)
+            _add(result, force, arm)
             sizes += np.abs(force)
             loaded = np.any(force != 0.0, axis=1)
             if loaded.any():
@@ -79,10 +78,7 @@ class World:
         moved = np.tile(shift, (7, 1))
         wrenches = np.zeros((7, 6))
         for contact, memory in zip(self.contacts, self._memory, strict=True):
-            points = _local(contact, positions, rotations, moved)
-            force, arm = _on_tool(contact, contact.law.probe(points, memory), positions, rotations, moved)
-            wrenches[:, :3] += force
-            wrenches[:, 3:] += _cross(arm, force)
+            _add(wrenches, *_act(contact, contact.law.probe, memory, positions, rotations, moved))
         return -(wrenches[1:] - wrenches[0]).T / step
 
 
@@ -93,22 +89,27 @@ def _local(contact: Contact, positions: Array, rotations: Array, shift: Array) -
     return np.einsum("nji,nj->ni", rotations, contact.point + shift - positions)
 
 
-def _on_tool(
-    contact: Contact, force: Array, positions: Array, rotations: Array, shift: Array
+def _act(
+    contact: Contact,
+    law: Callable[[Array, Memory], Array],
+    memory: Memory,
+    positions: Array,
+    rotations: Array,
+    shift: Array,
 ) -> tuple[Array, Array]:
-    """Force on the tool and its lever arm from the tool origin, (n, 3) in base axes, from the law's ``force``."""
+    """Force on the tool and its lever arm from the tool origin, (n, 3) in base axes."""
+    force = law(_local(contact, positions, rotations, shift), memory)
     if contact.carried:
         return force, rotations @ contact.point
     # The law acts on the environment's point; the tool feels the reaction.
     return -np.einsum("nij,nj->ni", rotations, force), contact.point + shift - positions
 
 
-def _cross(a: Array, b: Array) -> Array:
-    """Row by row cross product of (n, 3) and (n, 3): a fraction of the time of numpy's general one."""
-    result = np.empty_like(a)
+def _add(wrenches: Array, force: Array, arm: Array) -> None:
+    """Add forces (n, 3) with their lever arms; numpy's own cross product takes many times as long."""
+    wrenches[:, :3] += force
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        result[:, i] = a[:, j] * b[:, k] - a[:, k] * b[:, j]
-    return result
+        wrenches[:, 3 + i] += arm[:, j] * force[:, k] - arm[:, k] * force[:, j]
 
 
 # Generators of the rotations about x, y and z.

@@ -110,12 +110,12 @@ def test_swings_are_counted_and_slow_changes_are_not() -> None:
 @pytest.mark.parametrize("number", [1, 4, 7])
 def test_certified_law_keeps_the_limits_where_the_papers_does_not(law: str, number: int) -> None:
     case = replace(draw(0, "stiff", number), quiet=0.6, duration=1.0)
-    assert simulate(case, make_law(law, case)).peak <= OVER
+    assert simulate(make_law(law, case)).peak <= OVER
 
 
 def test_the_papers_law_breaks_a_limit_in_a_stiff_contact() -> None:
     case = replace(draw(0, "stiff", 1), quiet=0.6, duration=1.0)
-    assert simulate(case, make_law("paper", case)).peak > 1.5
+    assert simulate(make_law("paper", case)).peak > 1.5
 
 
 def test_a_bound_that_is_too_small_is_found_out() -> None:
@@ -129,8 +129,8 @@ def test_a_bound_that_is_too_small_is_found_out() -> None:
     too_soft = replace(
         case, declared=replace(case.declared, contact_stiffness=scripted.WALL_STIFFNESS / 20.0)
     )
-    assert simulate(case, make_law("certified", case)).peak <= OVER
-    assert simulate(too_soft, make_law("certified", too_soft)).peak > OVER
+    assert simulate(make_law("certified", case)).peak <= OVER
+    assert simulate(make_law("certified", too_soft)).peak > OVER
 
 
 def test_the_robot_of_the_world_turns_as_commanded() -> None:

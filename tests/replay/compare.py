@@ -11,7 +11,8 @@ from tests.replay import cases
 from tests.replay.player import digests, play
 from tests.replay.product import CODE
 from tests.replay.recordings import INPUTS
-from tests.support.revision import ROOT, worktree
+from tests.support.processes import ROOT
+from tests.support.revision import worktree
 
 _SOURCES = "sources in "
 Digests = dict[tuple[str, str], str]
