@@ -1,8 +1,7 @@
-"""Queries, parameters and health of a service on the in-process bus."""
+"""Queries and parameters of a service on the in-process bus."""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import msgpack
@@ -10,25 +9,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shared.messages import Health, JointState
 from shared.parameters import Refused
 from shared.requests import Nothing, Tare, Tared
 from shared.schema.records import Record
 from shared.topics import (
     CONTROL_PARAMETERS,
-    CONTROL_TARGET,
-    STATE_EE,
-    STATE_JOINTS,
     TASK_COMMAND,
-    WRENCH_EXTERNAL,
     WRENCH_TARE,
-    Topic,
-    health_topic,
 )
 from shared.wire.bus import NoReply
 from shared.wire.codec import encode_map
 from tests.shared.loop.rig import Rig
-from tests.shared.rig import ZERO, target, tool, wrench
+from tests.shared.rig import ZERO
 from tests.shared.strategies import any_plain
 
 NESTED: list[Any] = []
@@ -181,63 +173,6 @@ def test_more_requests_than_fit_are_refused_not_queued() -> None:
         }
     rig.stack.run(1.0)
     assert [msgpack.unpackb(reply)["ok"] for reply in replies[1000 - 32 :]] == [True] * 32
-
-
-def test_health_at_two_hertz_tells_state_reason_and_inputs() -> None:
-    rig = Rig()
-    health = []
-    topic = health_topic("recorder")
-    rig.stack.client.watch(topic, lambda received: health.append(received.message))
-    rig.stack.run(1.2)
-    assert len(health) == 3
-    assert health[-1].state == "starting" and "never received" in health[-1].detail
-    assert not health[-1].inputs[WRENCH_EXTERNAL.key].ok
-    assert health[-1].inputs[WRENCH_EXTERNAL.key].age == -1.0
-    driver = rig.source(WRENCH_EXTERNAL, wrench)
-    rig.source(STATE_EE, tool)
-    rig.stack.run(2.0)
-    assert health[-1].state == "ok" and health[-1].detail == ""
-    assert health[-1].loop_hz == pytest.approx(100, abs=2)
-    assert health[-1].inputs[WRENCH_EXTERNAL.key].ok
-    assert health[-1].inputs[WRENCH_EXTERNAL.key].hz == pytest.approx(100, abs=2)
-    rig.service.note = "warm"
-    rig.stack.run(0.6)
-    assert (health[-1].state, health[-1].detail) == ("degraded", "warm")
-    rig.stack.bus.publish(WRENCH_EXTERNAL.key, b"?")
-    driver.on = False
-    rig.stack.run(0.6)
-    assert health[-1].state == "degraded" and "wrench/external" in health[-1].detail
-    assert health[-1].inputs[WRENCH_EXTERNAL.key].rejected == 1
-    assert not health[-1].inputs[WRENCH_EXTERNAL.key].ok
-    assert all(math.isfinite(row.age) for row in health[-1].inputs.values())
-
-
-def test_health_tells_of_an_optional_input_that_has_failed_and_the_service_goes_on() -> None:
-    rig = Rig(optional=(STATE_JOINTS, CONTROL_TARGET))
-    health: list[Health] = []
-    rig.stack.client.watch(health_topic("recorder"), lambda received: health.append(received.message))
-    rig.working()
-
-    def ok(topic: Topic = STATE_JOINTS) -> bool:
-        rig.stack.run(1.1)
-        return health[-1].inputs[topic.key].ok
-
-    assert ok(), "nobody has to send it"
-    joints = rig.source(STATE_JOINTS, lambda: JointState((), (), (), ()))
-    assert ok()
-    joints.valid = False
-    assert not ok(), "marked invalid"
-    joints.valid = True
-    assert ok()
-    joints.on = False
-    assert not ok(), "silent"
-    rig.stack.client.publish(CONTROL_TARGET, target())
-    assert ok(CONTROL_TARGET), "holds until it is replaced"
-    assert {row.state for row in health[-10:]} == {"ok"} and not rig.service.brakes
-
-
-def test_a_service_is_alive() -> None:
-    assert Rig().stack.bus.living() == {"recorder"}
 
 
 @given(st.binary(max_size=100))
