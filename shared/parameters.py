@@ -139,8 +139,8 @@ def _one_line(problem: ValidationError, cls: type[Parameters]) -> str:
 
 def _wanted(annotation: Any) -> str:
     """Wanted value of a scalar or vector parameter, in words; empty for anything else, which pydantic describes."""
-    if annotation in (Vector3, Vector6):
-        return f"{len(get_args(annotation))} numbers"
+    if get_origin(annotation) is tuple and set(elements := get_args(annotation)) == {float}:
+        return f"{len(elements)} numbers"
     if get_origin(annotation) is Literal:
         return "one of " + ", ".join(map(repr, get_args(annotation)))
     return {float: "a finite number", int: "a whole number", bool: "true or false", str: "text"}.get(

@@ -15,7 +15,7 @@ from shared.loop.config import Misconfigured, complain, settings
 from shared.loop.runner import Runner
 from shared.parameters import Parameters, Refused
 from shared.service import Service
-from shared.wire.zenoh import BusError, ZenohBus
+from shared.wire.zenoh import BusError, ZenohBus, check_endpoint
 
 P = TypeVar("P", bound=Parameters)
 
@@ -49,6 +49,7 @@ def run(
     stop = StopRequest()
     try:
         chosen = settings(name, parameters, arguments)
+        check_endpoint("--connect", chosen.connect)
         service = make(chosen.parameters)
         bus = ZenohBus(chosen.robot, chosen.connect, give_up=_told_waiting(name, chosen.connect, stop))
     except (Misconfigured, Refused) as problem:

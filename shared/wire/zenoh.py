@@ -77,7 +77,7 @@ def open_router(listen: str, config_file: Path | None = None) -> zenoh.Session:
                 f"--config {config_file}: not a Zenoh configuration ({_first_line(problem)})"
             ) from None
     else:
-        _check_endpoint("--listen", listen)
+        check_endpoint("--listen", listen)
         config = _config(_settings("router") | {"listen/endpoints": [listen], "listen/exit_on_failure": True})
     try:
         return zenoh.open(config)
@@ -94,7 +94,12 @@ def open_router(listen: str, config_file: Path | None = None) -> zenoh.Session:
         ) from None
 
 
-def _check_endpoint(option: str, endpoint: str) -> None:
+def check_endpoint(option: str, endpoint: str) -> None:
+    """Hold an endpoint against the form that it has to have.
+
+    Raises:
+        BusError: it has another; the text names the option.
+    """
     form = _ENDPOINT.fullmatch(endpoint)
     if not form or not 0 < int(form["port"]) < 65536:
         raise BusError(
@@ -153,7 +158,7 @@ class ZenohBus:
         give_up: Callable[[], bool] = lambda: False,
     ) -> None:
         _prepare()
-        _check_endpoint("--connect", connect)
+        check_endpoint("--connect", connect)
         settings = _settings("client") | {
             "connect/endpoints": [connect],
             "connect/timeout_ms": 300,

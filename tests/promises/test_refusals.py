@@ -74,7 +74,7 @@ OPTIONS: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
 OPTIONS["wrench"][("--set", 'payload="/none.toml"')] = ("payload", "/none.toml", "No such file")
 for _name in ("router", *SETTABLE):
     OPTIONS[_name] |= {(wrong,): (wrong, "See --help") for wrong in ("--no-such-option", "stray")}
-for _name in set(SETTABLE) - {"sim"}:  # whose physics engine announces itself before the bus is opened
+for _name in SETTABLE:
     OPTIONS[_name][("--connect", "here")] = ("--connect here", "wanted <protocol>")
 
 

@@ -137,7 +137,10 @@ def test_the_table_can_travel() -> None:
 def test_a_vector_of_the_wrong_length_is_refused_with_its_name_and_the_length_wanted():
     class Speeds(Parameters):
         limits: Vector3 = parameter((1.0, 1.0, 1.0), "m/s", 0.0, 2.0, "limits")
+        place: tuple[float, float] = parameter((0.0, 0.0), "m", -1.0, 1.0, "a place")
 
     for wrong in ([1.0, 2.0], [1.0] * 4, ["x"] * 3, 3.0):
         with pytest.raises(Refused, match=r"^limits is .*, wanted 3 numbers$"):
             Speeds.of({"limits": wrong})
+    with pytest.raises(Refused, match=r"^place is .*, wanted 2 numbers$"):
+        Speeds.of({"place": [1.0]})
