@@ -73,7 +73,7 @@ def samples(count: int, parameters: ControllerParameters, keep: bool = False, se
     """
     rng = np.random.default_rng(seed)
     law = make_law(parameters)
-    qp: Qp = law.qp  # type: ignore[attr-defined]
+    qp = law.qp
     bare = Bare(qp)
     found: list[Sample] = []
     position, rotation, wrench = np.zeros(3), np.eye(3), np.zeros(6)

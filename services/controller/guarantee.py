@@ -18,6 +18,7 @@ MOVING_FACTOR = 3.0
 """Peak of the excess in a moving environment over what Kbar lets the wrench grow by until the tool can have followed:
 nearly the largest of the benchmark's steady pulls (docs/guarantee.md, "A moving environment"). Measured, not proven."""
 _ROUNDS = 20
+"""Iterations of a speed whose turning widens the bound that it follows from; it settles after a few."""
 _UNITS = (("mm/s", "N"), ("mrad/s", "Nm"))
 _PARALLEL = np.eye(3)
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from benchmarks.contact.elastic import Spring, Surface
 from benchmarks.contact.robot import Robot
 from benchmarks.contact.world import Contact, World
 from shared.spatial import Array, rotation_from_vector, wrench_about
+from tests.services.controller.contacts import jacobian
 
 START = np.array((0.4, -0.2, 0.9)), rotation_from_vector((0.2, -0.4, 0.7))
 
@@ -24,16 +28,9 @@ def smooth_path(seed: int, samples: int, closed: bool) -> tuple[Array, Array, Ar
     offsets = shape @ waves
     positions = START[0] + offsets[:, :3]
     rotations = np.array([rotation_from_vector(4.0 * vector) @ START[1] for vector in offsets[:, 3:]])
-    turns = np.array([_vee(rotations[i + 1] @ rotations[i].T) for i in range(samples)])
+    turns = Rotation.from_matrix(rotations[1:] @ rotations[:-1].transpose(0, 2, 1)).as_rotvec()
     moves = np.hstack((np.diff(positions, axis=0), turns))
     return positions, rotations, moves, time
-
-
-def _vee(turn: Array) -> Array:
-    half = (turn - turn.T) / 2.0
-    vector = np.array((half[2, 1], half[0, 2], half[1, 0]))
-    sine = np.linalg.norm(vector)
-    return vector if sine < 1e-12 else vector * np.arcsin(sine) / sine
 
 
 def random_contacts(seed: int, friction: float) -> tuple[Contact, ...]:
@@ -113,13 +110,9 @@ def test_wrench_transports_to_another_origin() -> None:
     contacts = random_contacts(3, friction=0.0)
     wrench = World(contacts, position, rotation).advance(position[None], rotation[None], np.zeros((1, 3)))[0]
     offset = rotation @ np.array((0.2, -0.1, 0.4))
+    shift = rotation.T @ offset
     moved = tuple(
-        Contact(
-            c.point - rotation.T @ offset if c.carried else c.point,
-            c.carried,
-            _relative(c, rotation.T @ offset),
-        )
-        for c in contacts
+        Contact(c.point - shift if c.carried else c.point, c.carried, _relative(c, shift)) for c in contacts
     )
     other = World(moved, position + offset, rotation)
     elsewhere = other.advance((position + offset)[None], rotation[None], np.zeros((1, 3)))[0]
@@ -131,10 +124,10 @@ def _relative(contact: Contact, offset: Array) -> Spring | Surface:
     law = contact.law
     if contact.carried:
         return law
-    if isinstance(law, Spring):
-        return Spring(law.matrix, law.rest - offset)
-    return Surface(
-        law.normal, law.origin - offset, law.normal_stiffness, law.tangential_stiffness, law.friction
+    return (
+        replace(law, rest=law.rest - offset)
+        if isinstance(law, Spring)
+        else replace(law, origin=law.origin - offset)
     )
 
 
@@ -212,7 +205,6 @@ def test_measured_tangent_is_the_springs() -> None:
     arm = np.array((0.1, 0.2, -0.3))
     at = position + rotation @ arm
     world = World((Contact(arm, True, Spring(300.0 * np.eye(3), at)),), position, rotation)
-    x, y, z = rotation @ arm
-    jacobian = np.hstack((np.eye(3), -np.array(((0, -z, y), (z, 0, -x), (-y, x, 0)))))
+    J = jacobian(rotation @ arm)
     tangent = world.stiffness(position, rotation, np.zeros(3))
-    np.testing.assert_allclose(tangent, 300.0 * jacobian.T @ jacobian, atol=1e-3)
+    np.testing.assert_allclose(tangent, 300.0 * J.T @ J, atol=1e-3)

@@ -8,8 +8,8 @@ import numpy as np
 
 from shared.spatial import Array
 
-_ROWS = 512
-_MOST_SEGMENTS = 256
+_ROWS, _MOST_SEGMENTS = 512, 256
+"""Segments for which there is room, and that are kept at most."""
 _OLD_SEGMENTS = 4
 """So many segments that have acted but for the lag are folded into one together, which is faster."""
 _FORGETTING = 1.01
@@ -32,10 +32,13 @@ def directed(twist: Array) -> Array:
 class TravelInFlight:
     """Commanded travel still in flight, per axis and per sense; never nets one sense against the other.
 
-    The robot is a delay d and a lag tau of unit area: of a command given at age ``a`` the share ``exp(-(a - d)/tau)``
-    is still to act. Which command acts at an instant is not known exactly, because transport varies and commands are
-    lost; certain is only that none acts for longer than T. So every instant is counted with the largest of the
-    commands that may be acting (docs/guarantee.md, "Travel in flight").
+    The robot is a delay d and a lag tau of unit area. Of the speed u that acts at age a a share is still to come::
+
+        s = integral of u(a) share(a) da,  share(a) = 1 for a <= d, exp(-(a - d)/tau) beyond
+
+    Which command acts at an instant is not known exactly, because transport varies and commands are lost; certain is
+    only that none acts for longer than T. So every instant is counted with the largest speed that may be acting
+    (docs/guarantee.md, "Travel in flight").
 
     Twelve directions, here and wherever a vector has twelve elements: first the motions along -x, -y, -z and about
     them, which make the wrench's axis grow, then those along +x, +y, +z and about them, which make it fall.

@@ -61,10 +61,6 @@ class CertifiedLaw(Law):
         self._right, self._excess = qp.right[_ROWS], qp.excess[_ROWS]
         self._lyapunov = qp.rows[_LYAPUNOV, _SPEEDS]
 
-    @property
-    def solve_us(self) -> float:
-        return self.qp.solve_us
-
     def brake(self, dt: float) -> None:
         super().brake(dt)
         self._yielding.brake(self.response_time, dt)
@@ -130,11 +126,11 @@ class CertifiedLaw(Law):
         else:  # shortened as a whole, it still goes down the gradient
             back, ahead = reach[GROW].tolist(), reach[FALL].tolist()
             y = scaled_into(y, [ahead[i] if y[i] > 0.0 else back[i] for i in range(6)])
-            speeds = self._y_speeds = self._kept(directed(np.array(y)), state.wrench)
+            speeds = self._y_speeds = self._keep_rows(directed(np.array(y)), state.wrench)
             self.y = speeds[FALL] - speeds[GROW]
         return bool(self._y_speeds.any())
 
-    def _kept(self, y: Array, wrench: Array) -> Array:
+    def _keep_rows(self, y: Array, wrench: Array) -> Array:
         """Rule 3: the speeds y (12,), shortened to ``T M y <= max(0, C -+ w - M s)``: at rest that breaks no limit."""
         M = self.rows.M
         room = np.tile(self.caps.most, 2) + SENSES.dot(wrench) - M.dot(self.travel.in_flight)
@@ -174,7 +170,7 @@ class CertifiedLaw(Law):
             # A closed row fixes every variable that it counts, and need not be passed.
             upper[(rows.scaled[shut] > 0.0).any(axis=0)] = 0.0
             self._right[shut] = 1.0
-        inverse = self._relax(qp, length)
+        inverse = self._relax(length)
         np.multiply(SENSES.dot(error), inverse, self._lyapunov)
         if yields:
             np.multiply(SENSES.dot(self.y), 2.0, out=self._cost)

@@ -111,10 +111,12 @@ class Law(ABC):
         previous: the law that was in force so far, whose commands are still in flight.
 
     Attributes:
+        qp: the quadratic program of a tick.
         twist: (6,) [m/s, rad/s] that was commanded last.
     """
 
     name: str
+    qp: Qp
 
     def __init__(
         self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None
@@ -132,9 +134,9 @@ class Law(ABC):
         self.twist = self._rest
 
     @property
-    @abstractmethod
     def solve_us(self) -> float:
         """Time [us] of the last solve, 0 without a timer."""
+        return self.qp.solve_us
 
     def step(self, state: LawInput, dt: float) -> LawOutput:
         """Decide the twist, ``dt`` [s] after the last call of ``step`` or ``brake``.
@@ -183,12 +185,13 @@ class Law(ABC):
         self.twist = output.twist = twist
         return output
 
-    def _relax(self, qp: Qp, length: float) -> float:
+    def _relax(self, length: float) -> float:
         """``1/length`` of the pose error, 0 at the target; sets bound and cost of the last variable accordingly.
 
         The variable is ``(gamma - (lambda/2)|e|^2)/|e|``: divided by the error's norm, the Lyapunov row
         ``(e/|e|).v - it <= 0``, ``it >= -(lambda/2)|e|``, is a speed like all other rows.
         """
+        qp = self.qp
         if length > _AT_TARGET:
             qp.lower[-1] = -0.5 * self.parameters.lyapunov_rate * length
             qp.cost[-1] = self.parameters.relaxation_weight * length

@@ -25,10 +25,6 @@ class BoxLaw(Law):
         self.qp.upper[_GAMMA] = UNBOUNDED
         self.qp.rows[0, _GAMMA] = -1.0
 
-    @property
-    def solve_us(self) -> float:
-        return self.qp.solve_us
-
     @abstractmethod
     def _bounds(self, state: LawInput, error: Array) -> tuple[Array, Array]:
         """The law's own bounds l, u (6,) [m/s, rad/s], before the speed limits."""
@@ -41,7 +37,7 @@ class BoxLaw(Law):
         upper = np.minimum(np.maximum(own_upper, -reach[:6]), reach[6:])
         qp.lower[:_GAMMA] = lower
         qp.upper[:_GAMMA] = np.where(upper - lower > CLOSED, upper, lower)
-        qp.rows[0, :_GAMMA] = self._relax(qp, length) * error
+        qp.rows[0, :_GAMMA] = self._relax(length) * error
         try:
             v, failure = np.minimum(np.maximum(qp.solve()[:_GAMMA], lower), upper), None
         except QpFailure as problem:
