@@ -23,7 +23,7 @@ class Process:
         name: of its folder in `services`, of its health, liveliness token and table in a configuration file.
         does: what it is for, in one line.
         started: by `tandem up` "always", or "with" `--with NAME`; or only "by hand".
-        image: stage of the Dockerfile that has all it needs.
+        image: stage of a container's image that has all it needs.
         extra: of pyproject.toml that it needs; empty if it needs none.
         speaks_as: its name among publishers and servers of `shared/topics.py`; the name itself if empty.
         service: it runs the loop of `shared/loop`: liveliness token, health, `--config` with a table of its name.
@@ -123,6 +123,8 @@ SERVICES = tuple(process.name for process in PROCESSES if process.service)
 """Whoever has health, a liveliness token and a table in a configuration file."""
 STACK = tuple(process.name for process in PROCESSES if process.service and process.started == "always")
 """The services of every stack."""
+ROBOTS = tuple(process.name for process in PROCESSES if process.publisher == ROBOT)
+"""The processes of which one stands for the robot."""
 FURTHER = tuple(process.name for process in PROCESSES if process.started == "with")
 """The services that a stack has if it is told so."""
 

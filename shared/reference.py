@@ -32,8 +32,8 @@ Generated from `shared/topics.py` by `python -m shared.reference`; `make test` f
 
 - Keys are `<robot>/<key>`; `<robot>` is one chunk, `tiago` by default.
 - A payload is one MessagePack map with text keys, Zenoh encoding `application/msgpack`. Unknown fields are ignored. A
-  missing field, a wrong type or shape, a number that is not finite, or a payload over the cap rejects the message: it
-  is counted, never used, and crashes nothing.
+  missing field (unless it says what holds if absent), a wrong type or shape, a number that is not finite or out of
+  bounds, or a payload over the cap rejects the message: it is counted, never used, and crashes nothing.
 - SI units. Quaternions are `[x, y, z, w]` of unit norm. Unless a field says otherwise it is in the axes of `base`, the
   robot's `base_footprint`; `tool` is the grasping frame of the right gripper, `sensor` the wrist's force-torque frame.
 - A twist is the linear velocity of the tool's origin and the angular velocity, relative to `base`. A wrench is what the

@@ -23,6 +23,7 @@ commands = typer.Typer(
     help="Force-safe carrying with a robot: start a stack, watch it, speak to it, play experiments.",
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # which would take a unit in brackets for its own mark
 )
 commands.command()(up)
 commands.command()(start)

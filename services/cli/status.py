@@ -32,6 +32,8 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
             time.sleep(0.05)
         living = watch.living()
         heard = watch.health()
+        if known is None:
+            expected = diagnose.one_robot(expected, living)
         rows = diagnose.rows(living, heard, expected)
         if known is None:
             rows = [

@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 from rich.live import Live
 from rich.table import Table
+from rich.text import Text
 
 from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse, table
 from services.cli.health.watch import Watch
@@ -32,7 +33,7 @@ def list_topics() -> None:
             f"{name} [{kind.unit}]" if kind.unit else name for name, kind, _ in topic.message.kinds()
         )
         rate = f"{topic.rate:g}" if topic.rate else "on change"
-        shown.add_row(topic.key, topic.publisher, rate, fields)
+        shown.add_row(topic.key, topic.publisher, rate, Text(fields))
     Console().print(shown)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from shared.messages import ControlStatus, Health, RobotStatus, TaskStatus
+from shared.processes import ROBOTS
 
 HEALTH_LATE = 1.0  # [s]: health comes every 0.5 s; a service that misses two is lost
 
@@ -33,6 +34,12 @@ def rows(living: Collection[str], heard: Mapping[str, Heard], expected: Collecti
     """One row per service that is expected, living or was heard."""
     names = [*expected, *sorted((set(living) | set(heard)) - set(expected))]
     return [_row(name, name in living, heard.get(name), name in expected) for name in names]
+
+
+def one_robot(expected: Collection[str], living: Collection[str]) -> tuple[str, ...]:
+    """The services that are missed if they do not live: whichever robot process runs, no other one."""
+    there = not set(living).isdisjoint(ROBOTS)
+    return tuple(name for name in expected if not there or name not in ROBOTS or name in living)
 
 
 def _row(name: str, token: bool, heard: Heard | None, expected: bool) -> Row:

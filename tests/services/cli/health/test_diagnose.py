@@ -4,8 +4,17 @@ from __future__ import annotations
 
 import pytest
 
-from services.cli.health.diagnose import Heard, control_line, never_seen, robot_line, rows, task_line
+from services.cli.health.diagnose import (
+    Heard,
+    control_line,
+    never_seen,
+    one_robot,
+    robot_line,
+    rows,
+    task_line,
+)
 from shared.messages import ControlStatus, Health, RobotStatus, TaskStatus
+from shared.processes import STACK
 
 
 def health(state: str = "ok", detail: str = "") -> Health:
@@ -45,6 +54,12 @@ def test_expected_services_come_first_and_others_are_not_hidden() -> None:
 def test_a_service_that_was_never_started_is_not_called_lost() -> None:
     assert never_seen("wrench").state == "never seen"
     assert "tandem start wrench" in never_seen("wrench").detail
+
+
+def test_whichever_robot_runs_no_other_one_is_missed() -> None:
+    assert "sim" in one_robot(STACK, {"wrench"}), "none runs: the usual one is missed"
+    assert "sim" in one_robot(STACK, {"sim", "mock"}), "two are both shown"
+    assert set(STACK) - set(one_robot(STACK, {"mock", "wrench"})) == {"sim"}
 
 
 def test_a_stopped_robot_names_the_remedy() -> None:
