@@ -100,9 +100,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.against", description=__doc__)
     parser.add_argument("revision", metavar="REV", help="of git, such as HEAD")
     parser.add_argument("program", metavar="PROGRAM.py", type=Path)
-    parser.add_argument(
-        "--turns", type=int, default=TURNS, help="how often each is measured (default %(default)s)"
-    )
+    parser.add_argument("--turns", type=int, default=TURNS, help="how often each is measured (default %(default)s)")
     given = parser.parse_args(arguments)
     show(compare(given.revision, given.program.read_text(), given.turns))
 

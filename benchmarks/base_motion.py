@@ -92,21 +92,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     rows = (
         ("a [N/m, Nm/m]", per_speed, ".0f"),
         ("c [N/rad, Nm/rad]", per_turn, ".0f"),
-        (
-            f"rise at {base.max_linear:g} m/s, in limits",
-            response * base.max_linear * per_speed / limit,
-            ".1f",
-        ),
+        (f"rise at {base.max_linear:g} m/s, in limits", response * base.max_linear * per_speed / limit, ".1f"),
         (
             f"rise at {base.max_angular:g} rad/s, in limits",
             response * base.max_angular * per_turn_meanwhile / limit,
             ".1f",
         ),
-        (
-            f"v of this axis alone for e = {excess:g} [m/s]",
-            excess * limit / (PEAK * response * per_speed),
-            ".2g",
-        ),
+        (f"v of this axis alone for e = {excess:g} [m/s]", excess * limit / (PEAK * response * per_speed), ".2g"),
     )
     print("| | fx | fy | fz | about x | about y | about z |\n|---|---|---|---|---|---|---|")
     for name, values, form in rows:

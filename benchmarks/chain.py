@@ -58,9 +58,7 @@ def _compared(rate: float, rounds: int, seconds: float) -> list[Row]:
     table = [
         _against(title, "p50", 0.5, chain, relay),
         _against(title, "p99", 0.99, chain, relay),
-        shown(
-            f"{title}, samples without a command", 100 * chain.lost, "%", COMMAND, f"relay {relay.lost:.2%}"
-        ),
+        shown(f"{title}, samples without a command", 100 * chain.lost, "%", COMMAND, f"relay {relay.lost:.2%}"),
     ]
     claim = f"{title}, p99 below the rospy relay's"
     if missing:

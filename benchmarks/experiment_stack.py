@@ -48,9 +48,7 @@ class Together:
         rendering: where the camera's pictures are rendered.
     """
 
-    def __init__(
-        self, run: Run, folder: Path, rendering: Callable[[Scenery], Rendering] = DirectRendering
-    ) -> None:
+    def __init__(self, run: Run, folder: Path, rendering: Callable[[Scenery], Rendering] = DirectRendering) -> None:
         self.stack = Stack(LATENCY)
         self.runners: dict[str, Runner] = {}
         settings = run.settings
@@ -88,11 +86,7 @@ class Staged(Together):
     """
 
     def __init__(
-        self,
-        compose: Compose,
-        run: Run,
-        folder: Path,
-        rendering: Callable[[Scenery], Rendering] = DirectRendering,
+        self, compose: Compose, run: Run, folder: Path, rendering: Callable[[Scenery], Rendering] = DirectRendering
     ) -> None:
         super().__init__(run, folder, rendering)
         self.player = compose(self.stack.bus, self.stack.scheduler.clock, self._ask)
@@ -119,7 +113,5 @@ def play_run(
         staged = Staged(partial(experiment.player, run), run, Path(folder), rendering)
         staged.stack.run(LONGEST, done=lambda: staged.player.finished)
     if not staged.player.finished:
-        raise TimeoutError(
-            f"{run.name}: still {staged.player.course.phase} after {LONGEST:g} s of simulated time"
-        )
+        raise TimeoutError(f"{run.name}: still {staged.player.course.phase} after {LONGEST:g} s of simulated time")
     return staged.player.recording(bus="in-process, simulated time")

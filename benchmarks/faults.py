@@ -209,13 +209,7 @@ def quantile(values: list[float], share: float) -> float:
 def rows(quick: bool) -> list[Row]:
     """One row per fault for the table of all benchmarks."""
     return [
-        at_most(
-            f"{fault.name}: gate brakes",
-            1e3 * quantile(fault.braked, 0.99),
-            1e3 * fault.promise,
-            "ms",
-            COMMAND,
-        )
+        at_most(f"{fault.name}: gate brakes", 1e3 * quantile(fault.braked, 0.99), 1e3 * fault.promise, "ms", COMMAND)
         for fault in measured(5 if quick else 30)
     ]
 
@@ -225,9 +219,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog=COMMAND, description=__doc__)
     parser.add_argument("--quick", action="store_true", help="5 instead of 30 injections of each fault")
     quick = parser.parse_args().quick
-    print(
-        "| fault | promise [ms] | p50 [ms] | p99 [ms] | max [ms] | moving again after [s], p50 | n | discarded |"
-    )
+    print("| fault | promise [ms] | p50 [ms] | p99 [ms] | max [ms] | moving again after [s], p50 | n | discarded |")
     print("|---|---|---|---|---|---|---|---|")
     for fault in measured(5 if quick else 30):
         braked = [quantile(fault.braked, share) * 1e3 for share in (0.5, 0.99, 1.0)]

@@ -43,12 +43,6 @@ def rows(quick: bool) -> list[Row]:
     """The rows of this benchmark."""
     duration = 4.0 if quick else 4 * LEG
     return [
-        at_least(
-            "services/sim without camera, tool moving, times real time",
-            ratio(duration, True),
-            3.0,
-            "",
-            COMMAND,
-        ),
+        at_least("services/sim without camera, tool moving, times real time", ratio(duration, True), 3.0, "", COMMAND),
         shown("the same, tool holding a bag", ratio(duration, False), "", COMMAND),
     ]

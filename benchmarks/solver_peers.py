@@ -44,9 +44,7 @@ def _parametric(problem: Problem) -> tuple[dict[str, Any], Callable[[Problem], A
 def _casadi(function: casadi.Function, values: Callable[[Problem], Array]) -> Solve:
     def solve(problem: Problem) -> Array:
         upper = np.where(problem.upper >= UNBOUNDED, np.inf, problem.upper)
-        answer = function(
-            p=values(problem), lbx=problem.lower, ubx=upper, lbg=-np.inf, ubg=problem.right, x0=0.0
-        )
+        answer = function(p=values(problem), lbx=problem.lower, ubx=upper, lbg=-np.inf, ubg=problem.right, x0=0.0)
         if not function.stats()["success"]:
             raise Unsolved
         return answer["x"].full().ravel()

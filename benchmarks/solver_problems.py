@@ -95,9 +95,7 @@ def samples(count: int, parameters: ControllerParameters, keep: bool = False, se
         position = position + PERIOD * output.twist[:3]
         rotation = rotation_from_vector(PERIOD * output.twist[3:]) @ rotation
         tick += 1
-        found.append(
-            Sample((between - began) * 1e-3, (ended - again) * 1e-3, _problem(qp, answer) if keep else None)
-        )
+        found.append(Sample((between - began) * 1e-3, (ended - again) * 1e-3, _problem(qp, answer) if keep else None))
     return found
 
 

@@ -9,17 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shared.schema.fields import (
-    Boolean,
-    Bytes,
-    Integer,
-    InvalidField,
-    Number,
-    Quaternion,
-    Text,
-    TextList,
-    Vector,
-)
+from shared.schema.fields import Boolean, Bytes, Integer, InvalidField, Number, Quaternion, Text, TextList, Vector
 from shared.schema.records import MapOf, Record, RecordOf, of
 
 LONGEST_TTL = 0.2
@@ -71,9 +61,7 @@ class JointState(Record):
     def check(self) -> None:
         for field in ("position", "velocity", "effort"):
             if (size := len(getattr(self, field))) != len(self.name):
-                raise InvalidField(
-                    f"{field} has {size} elements, wanted one for each of {len(self.name)} names"
-                )
+                raise InvalidField(f"{field} has {size} elements, wanted one for each of {len(self.name)} names")
 
 
 class EndEffector(Record):
@@ -116,9 +104,7 @@ class RobotStatus(Record):
             "vx forwards, vy, wz, each alone; backwards or together the gate may execute less: see `reason`",
         )
     )
-    held: int = of(
-        Integer(minimum=0, doc="motions of the tool broken off for want of a fresh command"), default=0
-    )
+    held: int = of(Integer(minimum=0, doc="motions of the tool broken off for want of a fresh command"), default=0)
 
 
 class TwistCommand(Record):
@@ -162,9 +148,7 @@ class ExternalWrench(Record):
 
     force: np.ndarray = of(Vector("N"))
     torque: np.ndarray = of(Vector("Nm", "about the tool's origin"))
-    error_bound: np.ndarray = of(
-        Vector("N, Nm", "noise, bias and compensation residual", size=6, minimum=0.0)
-    )
+    error_bound: np.ndarray = of(Vector("N, Nm", "noise, bias and compensation residual", size=6, minimum=0.0))
     compensation: str = of(Text(choices=("none", "tare", "payload")))
     fault: str = of(Text(doc="empty, or silent, stuck, saturated, invalid"))
 

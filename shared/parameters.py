@@ -47,9 +47,7 @@ def check_range(name: str, value: Any, declared: FieldInfo) -> None:
 class Parameters(BaseModel):
     """Base of every service's parameters. Immutable; ``changed`` gives a new, checked set."""
 
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, validate_default=True
-    )
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, validate_default=True)
 
     def model_post_init(self, _context: Any) -> None:
         """Check the declared ranges, which pydantic knows for scalars only."""
@@ -132,9 +130,7 @@ def _one_line(problem: ValidationError, cls: type[Parameters]) -> str:
     wanted = _wanted(cls.model_fields[name].annotation)
     where = name if wanted else where
     given = repr(_plain(first.get("input")))
-    return (
-        f"{where} is {given[:60]}, wanted {wanted}" if wanted else f"{where} is {given[:60]}: {first['msg']}"
-    )
+    return f"{where} is {given[:60]}, wanted {wanted}" if wanted else f"{where} is {given[:60]}: {first['msg']}"
 
 
 def _wanted(annotation: Any) -> str:
@@ -143,6 +139,4 @@ def _wanted(annotation: Any) -> str:
         return f"{len(elements)} numbers"
     if get_origin(annotation) is Literal:
         return "one of " + ", ".join(map(repr, get_args(annotation)))
-    return {float: "a finite number", int: "a whole number", bool: "true or false", str: "text"}.get(
-        annotation, ""
-    )
+    return {float: "a finite number", int: "a whole number", bool: "true or false", str: "text"}.get(annotation, "")

@@ -80,22 +80,13 @@ SIM = Process(
     speaks_as=ROBOT,
 )
 MOCK = Process(
-    "mock",
-    "a robot without physics behind the gate: it does at once what it is told",
-    "by hand",
-    speaks_as=ROBOT,
+    "mock", "a robot without physics behind the gate: it does at once what it is told", "by hand", speaks_as=ROBOT
 )
 WRENCH = Process("wrench", "gravity compensation, error bound, sensor faults", "always")
 CONTROLLER = Process("controller", "the control laws", "always", image="controller", extra="controller")
-BASE = Process(
-    "base", "moves the mobile base as a free-floating body under the wrench, while enabled", "with"
-)
+BASE = Process("base", "moves the mobile base as a free-floating body under the wrench, while enabled", "with")
 TASK = Process(
-    "task",
-    "the carry: finds and grasps the panel, says what to hold, lets go",
-    "with",
-    image="task",
-    extra="task",
+    "task", "the carry: finds and grasps the panel, says what to hold, lets go", "with", image="task", extra="task"
 )
 EXPERIMENT = Process(
     "experiment",
@@ -107,14 +98,7 @@ EXPERIMENT = Process(
     options=("play", "load", "--run", "certified-100", "--out", "{folder}", *ON_THE_BUS),
 )
 CLI = Process(
-    "cli",
-    "the command `tandem`",
-    "by hand",
-    image="tools",
-    extra="cli",
-    service=False,
-    settable=False,
-    options=(),
+    "cli", "the command `tandem`", "by hand", image="tools", extra="cli", service=False, settable=False, options=()
 )
 
 PROCESSES = (ROUTER, SIM, MOCK, WRENCH, CONTROLLER, BASE, TASK, EXPERIMENT, CLI)

@@ -10,18 +10,7 @@ from typing import Any
 import numpy as np
 
 from shared.messages import Header
-from shared.schema.fields import (
-    Anything,
-    Boolean,
-    Bytes,
-    Integer,
-    Kind,
-    Number,
-    Quaternion,
-    Text,
-    TextList,
-    Vector,
-)
+from shared.schema.fields import Anything, Boolean, Bytes, Integer, Kind, Number, Quaternion, Text, TextList, Vector
 from shared.schema.records import AnyMap, MapOf, Nullable, Record, RecordOf
 from shared.topics import ANYBODY, QUERIES, ROBOT, TOPICS, health_topic
 

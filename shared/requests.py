@@ -72,9 +72,7 @@ class Solved(Record):
     com: np.ndarray = of(Vector("m", "centre of mass from the sensor's origin"))
     force_bias: np.ndarray = of(Vector("N"))
     torque_bias: np.ndarray = of(Vector("Nm"))
-    sigma: np.ndarray = of(
-        Vector("kg, m, N, Nm", "standard deviations: mass, com, force_bias, torque_bias", size=None)
-    )
+    sigma: np.ndarray = of(Vector("kg, m, N, Nm", "standard deviations: mass, com, force_bias, torque_bias", size=None))
     residual_rms: np.ndarray = of(Vector("N, Nm", size=6))
     condition: float = of(Number("1", "of the poses"))
     poses: int = of(Integer(minimum=0))

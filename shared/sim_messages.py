@@ -103,6 +103,5 @@ class SensorFault(Record):
     target: str = of(Text(choices=("ft", "camera", "joints")))
     kind: str = of(Text(choices=FAULTS))
     value: Any = of(
-        Anything("", "of a bias: N, Nm, rad or of 255, one number or one per axis; of a delay: s"),
-        default=None,
+        Anything("", "of a bias: N, Nm, rad or of 255, one number or one per axis; of a delay: s"), default=None
     )

@@ -132,9 +132,7 @@ def wrench_about(wrench: Array, offset: ArrayLike) -> Array:
     return moved
 
 
-def pose_error(
-    position: ArrayLike, rotation: Array, target_position: ArrayLike, target_rotation: Array
-) -> Array:
+def pose_error(position: ArrayLike, rotation: Array, target_position: ArrayLike, target_rotation: Array) -> Array:
     """Pose error (6,) ``[p - p_hat; theta]`` [m, rad], theta the rotation vector of ``R R_hat^T`` in base axes."""
     error = np.empty(6)
     np.subtract(position, target_position, out=error[:3])

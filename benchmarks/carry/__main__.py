@@ -37,11 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--kind", choices=sorted(set(KINDS)), help="only cases of that kind")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes at a time")
     parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="SERVICE.NAME=VALUE",
-        help="a setting of all cases, value in TOML",
+        "--set", action="append", default=[], metavar="SERVICE.NAME=VALUE", help="a setting of all cases, value in TOML"
     )
     options = parser.parse_args(arguments)
     try:

@@ -92,11 +92,7 @@ def case(seed: int, overrides: Changes | None = None) -> Case:
         "panel_stiffness": _foam(mass, width),
         "panel_friction": _between(draw, 0.3, 1.0),
         "grip_friction": RUBBER if kind == "rubber pads" else _between(draw, 2.5, 4.5),
-        "panel_position": [
-            _between(draw, 0.56, 0.64),
-            _between(draw, -0.44, -0.34),
-            _between(draw, 0.74, 0.82),
-        ],
+        "panel_position": [_between(draw, 0.56, 0.64), _between(draw, -0.44, -0.34), _between(draw, 0.74, 0.82)],
         "panel_yaw": math.radians(_between(draw, -10.0, 10.0)),
         "marker_position": [from_edge - length / 2.0, aside],
         "light": _between(draw, 0.4, 1.3),
@@ -104,8 +100,7 @@ def case(seed: int, overrides: Changes | None = None) -> Case:
         "camera_rate": 5.0,
         "ft_rate": rate,
         "ft_noise": [_between(draw, 0.5, 2.0) * std for std in (0.1,) * 3 + (0.005,) * 3],
-        "ft_bias": [_between(draw, -3.0, 3.0) for _ in range(3)]
-        + [_between(draw, -0.2, 0.2) for _ in range(3)],
+        "ft_bias": [_between(draw, -3.0, 3.0) for _ in range(3)] + [_between(draw, -0.2, 0.2) for _ in range(3)],
         "person_force": _between(draw, 40.0, 80.0),
         "person_torque": 5.0 if kind == "weak person" else _between(draw, 12.0, 20.0),
     }

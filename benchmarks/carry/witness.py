@@ -87,7 +87,4 @@ class Witness(Service[Parameters]):
 
     def seen(self) -> dict[str, np.ndarray]:
         """All samples, by the names of ``COLUMNS``."""
-        return {
-            name: np.array(column)
-            for name, column in zip(COLUMNS, zip(*self._samples, strict=True), strict=True)
-        }
+        return {name: np.array(column) for name, column in zip(COLUMNS, zip(*self._samples, strict=True), strict=True)}

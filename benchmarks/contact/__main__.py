@@ -28,9 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _options(arguments)
     console = Console(width=None if sys.stdout.isatty() else 180)
     began = time.monotonic()
-    jobs = (
-        [_only(options.only, options.seed)] if options.only else shuffled(plan(options.seed, options.cases))
-    )
+    jobs = [_only(options.only, options.seed)] if options.only else shuffled(plan(options.seed, options.cases))
     rows: list[Row] = []
     try:
         for some in track(run_all(jobs, options.jobs), "contacts", len(jobs), console=Console(stderr=True)):
@@ -59,20 +57,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.contact", description=__doc__)
-    parser.add_argument(
-        "--quick", action="store_true", help=f"{_QUICK_CASES} random cases: a minute, for every change"
-    )
-    parser.add_argument(
-        "--cases", type=int, default=None, help=f"random cases over all sets (default {_CASES})"
-    )
-    parser.add_argument(
-        "--seed", type=int, default=0, help="what the random cases are drawn from (default 0)"
-    )
+    parser.add_argument("--quick", action="store_true", help=f"{_QUICK_CASES} random cases: a minute, for every change")
+    parser.add_argument("--cases", type=int, default=None, help=f"random cases over all sets (default {_CASES})")
+    parser.add_argument("--seed", type=int, default=0, help="what the random cases are drawn from (default 0)")
     parser.add_argument("--only", metavar="SET:NUMBER", help="one case alone, to look into")
     parser.add_argument("--jobs", type=int, default=2, help="processes (default 2)")
-    parser.add_argument(
-        "--out", type=Path, default=Path("runs/contact"), help="folder (default runs/contact)"
-    )
+    parser.add_argument("--out", type=Path, default=Path("runs/contact"), help="folder (default runs/contact)")
     options = parser.parse_args(arguments)
     options.cases = options.cases or (_QUICK_CASES if options.quick else _CASES)
     return options

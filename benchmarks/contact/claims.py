@@ -44,11 +44,7 @@ def from_rows(rows: list[Row]) -> list[Claim]:
         soft = [row.result.travelled for row in rest if row.job.group.startswith("soft")]
         moved = float(np.median(soft)) if soft else 0.0
         claims.append(
-            Claim(
-                f"{form}: soft contacts really move the tool",
-                f"median {moved * 1e3:.0f} mm",
-                moved > _REALLY_MOVES,
-            )
+            Claim(f"{form}: soft contacts really move the tool", f"median {moved * 1e3:.0f} mm", moved > _REALLY_MOVES)
         )
     return [*claims, _solver(rows), *_against_paper(rows)]
 
@@ -66,9 +62,7 @@ def _within(text: str, rows: list[Row]) -> Claim:
     over = [row for row in rows if row.over]
     highest = max((row.result.peak for row in rows), default=math.nan)
     covered = sum(row.result.covered for row in rows)
-    measured = (
-        f"{len(over)} of {len(rows)} over {OVER:g} ({covered} inside every assumption), max {highest:.4f}"
-    )
+    measured = f"{len(over)} of {len(rows)} over {OVER:g} ({covered} inside every assumption), max {highest:.4f}"
     return Claim(text, measured + _named(over), bool(rows) and not over)
 
 
@@ -110,9 +104,7 @@ def walls() -> list[Claim]:
                     f"{form}: slides along and retreats from a wall of 2000 N/m declared as {declared:g}",
                     f"slid {slid * 1e3:.0f} mm of 200, missing {retreat.missing * 1e3:.1f} mm of the retreat, "
                     f"peak {max(slide.peak, retreat.peak):.3f}",
-                    slid >= least
-                    and retreat.missing <= _RETREAT_MISSES
-                    and max(slide.peak, retreat.peak) <= OVER,
+                    slid >= least and retreat.missing <= _RETREAT_MISSES and max(slide.peak, retreat.peak) <= OVER,
                 )
             )
     return claims

@@ -116,9 +116,7 @@ class Surface:
     def _slide(self, steps: Array, cone: Array, memory: Memory) -> Array:
         x, y, z = memory.friction.tolist()
         result = []
-        for (dx, dy, dz), most in zip(
-            (steps * self.tangential_stiffness).tolist(), cone.tolist(), strict=True
-        ):
+        for (dx, dy, dz), most in zip((steps * self.tangential_stiffness).tolist(), cone.tolist(), strict=True):
             x, y, z = x - dx, y - dy, z - dz
             size = math.sqrt(x * x + y * y + z * z)
             if size > most:

@@ -47,24 +47,14 @@ def _peaks(axes: Axes, rows: list[Row], title: str) -> None:
             axes.step(np.clip(peaks, *_SHOWN), share, where="post", color=colour, lw=2)
     cases = len({(row.job.group, row.job.number) for row in rows})
     axes.axvline(1.0, color="black", lw=1, ls="--")
-    axes.set(
-        xscale="log", xlim=_SHOWN, ylim=(0.0, 1.0), title=f"{title}\n{cases} cases, all laws on the same ones"
-    )
+    axes.set(xscale="log", xlim=_SHOWN, ylim=(0.0, 1.0), title=f"{title}\n{cases} cases, all laws on the same ones")
     axes.set_xticks((0.5, 1, 2, 5, 10, 20), ("0.5", "1", "2", "5", "10", "20"))
     axes.minorticks_off()
     axes.set_xlabel("highest force or torque, in limits")
     over = [(law, np.mean([row.over for row in rows if row.law == law])) for law in STYLE if rows]
     for line, (law, share) in enumerate(over):
         text = f"{STYLE[law][1]}: {share:.0%} over" if share else f"{STYLE[law][1]}: none over {OVER:g}"
-        axes.text(
-            0.98,
-            0.96 - 0.07 * line,
-            text,
-            color=STYLE[law][0],
-            transform=axes.transAxes,
-            ha="right",
-            va="top",
-        )
+        axes.text(0.98, 0.96 - 0.07 * line, text, color=STYLE[law][0], transform=axes.transAxes, ha="right", va="top")
 
 
 def _wall(axes: Axes) -> None:
@@ -72,22 +62,10 @@ def _wall(axes: Axes) -> None:
     for law, (colour, label) in STYLE.items():
         trace = simulate(make_law(law, case), keep_trace=True).trace
         assert trace is not None
-        axes.plot(
-            trace.times,
-            -trace.ratio[:, 0],
-            color=colour,
-            lw=1.5 if law.startswith("cert") else 0.8,
-            label=label,
-        )
+        axes.plot(trace.times, -trace.ratio[:, 0], color=colour, lw=1.5 if law.startswith("cert") else 0.8, label=label)
     axes.axhline(1.0, color="black", lw=1, ls="--")
     axes.axvline(scripted.WALL_PRESS, color="black", lw=0.6, ls=":")
-    axes.text(
-        scripted.WALL_PRESS + 0.1, 0.03, "slides 200 mm", transform=axes.get_xaxis_transform(), fontsize=9
-    )
-    axes.set(
-        title="Pressing a wall of 2000 N/m, 100 Hz,\nthen sliding along it",
-        xlabel="time [s]",
-        xlim=(0.0, 9.0),
-    )
+    axes.text(scripted.WALL_PRESS + 0.1, 0.03, "slides 200 mm", transform=axes.get_xaxis_transform(), fontsize=9)
+    axes.set(title="Pressing a wall of 2000 N/m, 100 Hz,\nthen sliding along it", xlabel="time [s]", xlim=(0.0, 9.0))
     axes.set_ylabel("force, in limits")
     axes.set_ylim(bottom=0.0)

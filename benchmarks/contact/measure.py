@@ -95,9 +95,7 @@ def plan(seed: int, cases: int) -> list[Job]:
     """About ``cases`` random cases over all sets, and the scripted ones; sets that move weigh half."""
     weights = {name: 2 if group.speed == 0.0 else 1 for name, group in GROUPS.items()}
     share = cases / sum(weights.values())
-    jobs = [
-        Job(seed, name, number) for name, weight in weights.items() for number in range(round(share * weight))
-    ]
+    jobs = [Job(seed, name, number) for name, weight in weights.items() for number in range(round(share * weight))]
     every = max(1, round(2000 / cases))
     jobs += [Job(seed, "oblique spring", number) for number in range(0, 240, every)]
     jobs += [Job(seed, "turning face", number) for number in range(0, 40, every)]

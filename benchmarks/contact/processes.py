@@ -63,12 +63,8 @@ def live_case(seed: int, group: str, number: int) -> Case:
     """The random case with the timing of the real processes, without lag, and the wrench service's error bound."""
     case = draw(seed, group, number)
     timing = Timing(1.0 / _RATE, 0.0, (0.0, _DELAY), 0.0, 0.0, _PERIOD, _DELAY, 0.0)
-    targets = tuple(
-        replace(target, time=index * _DURATION / 3.0) for index, target in enumerate(case.targets)
-    )
-    return replace(
-        case, timing=timing, targets=targets, error_bound=_ERROR, quiet=_DURATION, duration=_DURATION
-    )
+    targets = tuple(replace(target, time=index * _DURATION / 3.0) for index, target in enumerate(case.targets))
+    return replace(case, timing=timing, targets=targets, error_bound=_ERROR, quiet=_DURATION, duration=_DURATION)
 
 
 def run_case(robot: LiveRobot, processes: Processes, endpoint: str, case: Case, form: str) -> Measured:
@@ -90,13 +86,9 @@ def _arguments(case: Case, form: str, endpoint: str) -> list[str]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the cases; returns the exit status."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.contact.processes", description=__doc__)
-    parser.add_argument(
-        "--cases", type=int, default=50, help="number of cases, forms and sets in turn (default 50)"
-    )
+    parser.add_argument("--cases", type=int, default=50, help="number of cases, forms and sets in turn (default 50)")
     parser.add_argument("--seed", type=int, default=1, help="what the cases are drawn from (default 1)")
-    parser.add_argument(
-        "--out", type=Path, default=Path("runs/contact"), help="folder (default runs/contact)"
-    )
+    parser.add_argument("--out", type=Path, default=Path("runs/contact"), help="folder (default runs/contact)")
     options = parser.parse_args(arguments)
     console = Console(width=None if sys.stdout.isatty() else 140)
     outcomes: list[Outcome] = []
@@ -162,12 +154,8 @@ def _write(folder: Path, outcomes: list[Outcome]) -> None:
 def _status(console: Console, outcomes: list[Outcome]) -> int:
     inside = [one for one in outcomes if one.verdict in ("kept", "OVER")]
     over = [one for one in inside if one.verdict == "OVER"]
-    console.print(
-        f"{len(inside)} of {len(outcomes)} cases inside the guarantee, {len(over)} of them over a limit;"
-    )
-    console.print(
-        "in the others a declared time did not hold on this machine, or the processes did not start in time"
-    )
+    console.print(f"{len(inside)} of {len(outcomes)} cases inside the guarantee, {len(over)} of them over a limit;")
+    console.print("in the others a declared time did not hold on this machine, or the processes did not start in time")
     return 1 if over or not inside else 0
 
 

@@ -52,12 +52,8 @@ COLUMNS = {
     "p95": Column("p95", _peak(0.95), ".3f"),
     "highest": Column("max", _peak(1.0), ".4f"),
     "over": Column("over", lambda results: float(np.mean([one.peak > OVER for one in results])), ".1%"),
-    "sustained": Column(
-        "swinging", lambda results: float(np.mean([one.sustained for one in results])), ".1%"
-    ),
-    "travelled": Column(
-        "path m", lambda results: float(np.median([one.travelled for one in results])), ".3f"
-    ),
+    "sustained": Column("swinging", lambda results: float(np.mean([one.sustained for one in results])), ".1%"),
+    "travelled": Column("path m", lambda results: float(np.median([one.travelled for one in results])), ".3f"),
     "missing": Column("missing m", lambda results: float(np.median([one.missing for one in results])), ".3f"),
 }
 """By their names in `summary.json`; peaks in limits, lengths in metres."""
@@ -76,9 +72,7 @@ def summarise(rows: list[Row]) -> list[dict[str, Any]]:
 
 
 def print_summaries(console: Console, summaries: list[dict[str, Any]]) -> None:
-    table = Table(
-        "set", "law", title="contact: peak of abs(wrench)/limit, laws side by side on the same cases"
-    )
+    table = Table("set", "law", title="contact: peak of abs(wrench)/limit, laws side by side on the same cases")
     for column in COLUMNS.values():
         table.add_column(column.title, justify="right")
     previous = ""
@@ -110,11 +104,7 @@ def write_csv(path: Path, records: Sequence[Mapping[str, object]]) -> None:
 
 
 def write(
-    folder: Path,
-    rows: list[Row],
-    summaries: list[dict[str, Any]],
-    claims: list[Claim],
-    facts: dict[str, object],
+    folder: Path, rows: list[Row], summaries: list[dict[str, Any]], claims: list[Claim], facts: dict[str, object]
 ) -> None:
     """Writes `cases.csv`, one line per law and case, and `summary.json` into ``folder``."""
     write_csv(folder / "cases.csv", [row.record() for row in rows])

@@ -136,9 +136,7 @@ def _timing(rng: np.random.Generator, group: Group) -> Timing:
     )
 
 
-def _contact(
-    rng: np.random.Generator, position: Array, rotation: Array, reach: Array, stiffness: float
-) -> Contact:
+def _contact(rng: np.random.Generator, position: Array, rotation: Array, reach: Array, stiffness: float) -> Contact:
     """A contact within 0.9 of the reach, of any kind, at most a few newtons from touching."""
     carried = bool(rng.random() < 0.5)
     arm = rng.uniform(-0.9, 0.9, 3) * reach
@@ -177,9 +175,7 @@ def _start_within(
     if rng.random() > 0.1:
         return tuple(contacts), np.zeros(6)
     empty = wrench()
-    contacts.append(
-        Contact(rng.uniform(-0.05, 0.05, 3), True, Load(np.array((0.0, 0.0, -rng.uniform(1.0, 10.0)))))
-    )
+    contacts.append(Contact(rng.uniform(-0.05, 0.05, 3), True, Load(np.array((0.0, 0.0, -rng.uniform(1.0, 10.0))))))
     return tuple(contacts), wrench() - empty
 
 

@@ -75,11 +75,7 @@ def oblique_spring(number: int) -> Case:
     )
     error = np.repeat((1.5 if number % 2 else 0.3, 0.0), 3)
     return replace(
-        case,
-        error_bound=error,
-        adversary=adversary,
-        error=error * (1.0, -1.0, 1.0, 1.0, 1.0, 1.0),
-        seed=number,
+        case, error_bound=error, adversary=adversary, error=error * (1.0, -1.0, 1.0, 1.0, 1.0, 1.0), seed=number
     )
 
 
@@ -136,9 +132,7 @@ def wall(action: str, declared_stiffness: float) -> Case:
     """Presses a frictionless wall of 2000 N/m for 3 s, then slides along it or retreats, within 6 s."""
     into = np.array((0.1, 0.0, 0.0))
     after = (
-        np.array((0.1, WALL_TRAVEL["slide"], 0.0))
-        if action == "slide"
-        else np.array((-WALL_TRAVEL["retreat"], 0, 0))
+        np.array((0.1, WALL_TRAVEL["slide"], 0.0)) if action == "slide" else np.array((-WALL_TRAVEL["retreat"], 0, 0))
     )
     surface = Surface(np.array((-1.0, 0.0, 0.0)), np.array((0.005, 0.0, 0.0)), WALL_STIFFNESS)
     case = still(

@@ -73,10 +73,7 @@ def main() -> None:
             for name, subscription in health.items()
         }
 
-    threads = [
-        threading.Thread(target=aim),
-        threading.Thread(target=live, args=(robot, bus, ended.is_set)),
-    ]
+    threads = [threading.Thread(target=aim), threading.Thread(target=live, args=(robot, bus, ended.is_set))]
     began = time.monotonic()
     for thread in threads:
         thread.start()

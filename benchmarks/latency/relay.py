@@ -30,10 +30,7 @@ def hop(endpoint: str, source: str, target: str, size: str, *also: str) -> None:
     signal.signal(signal.SIGTERM, lambda *_: done.set())
     with open_session(endpoint) as session:
         publisher = session.declare_publisher(
-            target,
-            congestion_control=zenoh.CongestionControl.DROP,
-            priority=zenoh.Priority.REAL_TIME,
-            express=True,
+            target, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.REAL_TIME, express=True
         )
         payload = bytes(int(size))
         for key in also:

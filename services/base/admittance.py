@@ -65,12 +65,8 @@ class Admittance:
         """
         fx, fy, tz = wrench
         driven = limits.clip((fx / self.damping_linear, fy / self.damping_linear, tz / self.damping_angular))
-        vx, vy = _approach(
-            velocity[:2], driven[:2], self.damping_linear / self.mass, self.acceleration_linear, dt
-        )
-        (wz,) = _approach(
-            velocity[2:], driven[2:], self.damping_angular / self.inertia, self.acceleration_angular, dt
-        )
+        vx, vy = _approach(velocity[:2], driven[:2], self.damping_linear / self.mass, self.acceleration_linear, dt)
+        (wz,) = _approach(velocity[2:], driven[2:], self.damping_angular / self.inertia, self.acceleration_angular, dt)
         return vx, vy, wz
 
     def brake(self, velocity: Planar, dt: float) -> Planar:

@@ -96,10 +96,7 @@ class Base(Service[BaseParameters]):
 
     def _feel(self, inputs: Inputs) -> Planar:
         """The wrench about the base's origin, beyond the dead band."""
-        wrench, position = (
-            inputs[topics.WRENCH_EXTERNAL].message,
-            inputs[topics.STATE_EE].message.position.tolist(),
-        )
+        wrench, position = (inputs[topics.WRENCH_EXTERNAL].message, inputs[topics.STATE_EE].message.position.tolist())
         felt = about_base(wrench.force.tolist(), wrench.torque.tolist(), position)
         if not math.isfinite(felt[2]):
             raise ArithmeticError("the wrench carried over to the base's origin is not finite")

@@ -15,18 +15,10 @@ class BaseParameters(Parameters):
     mass: float = parameter(10.0, "kg", 1.0, 200.0, "M of the free-floating body")
     inertia: float = parameter(2.0, "kg m2", 0.1, 100.0, "I about the vertical")
     damping_linear: float = parameter(20.0, "N s/m", 1.0, 1000.0, "D; force over speed in the long run")
-    damping_angular: float = parameter(
-        10.0, "Nm s/rad", 0.5, 500.0, "torque over turning rate in the long run"
-    )
-    dead_band_force: float = parameter(
-        1.0, "N", 0.0, 50.0, "ignored along x and y; never less than the error_bound"
-    )
+    damping_angular: float = parameter(10.0, "Nm s/rad", 0.5, 500.0, "torque over turning rate in the long run")
+    dead_band_force: float = parameter(1.0, "N", 0.0, 50.0, "ignored along x and y; never less than the error_bound")
     dead_band_torque: float = parameter(
-        1.0,
-        "Nm",
-        0.0,
-        50.0,
-        "ignored about the base's origin; never less than the error_bound carried over to it",
+        1.0, "Nm", 0.0, 50.0, "ignored about the base's origin; never less than the error_bound carried over to it"
     )
     max_linear: float = parameter(0.4, "m/s", 0.01, 1.0, "largest speed")
     max_angular: float = parameter(0.4, "rad/s", 0.01, 2.09, "largest turning rate")

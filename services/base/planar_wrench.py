@@ -42,7 +42,6 @@ def beyond_dead_band(wrench: Planar, band: Planar) -> Planar:
         band: half-width of the dead band of each element, not negative.
     """
     fx, fy, tz = (
-        math.copysign(max(0.0, abs(element) - half), element)
-        for element, half in zip(wrench, band, strict=True)
+        math.copysign(max(0.0, abs(element) - half), element) for element, half in zip(wrench, band, strict=True)
     )
     return fx, fy, tz

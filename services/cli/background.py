@@ -37,9 +37,7 @@ class Background(Generic[T]):
         self._patience = patience
         self._deadline = time.monotonic() + patience
         self._answer, theirs = context.Pipe(duplex=False)
-        self._process = context.Process(
-            target=_call, args=(theirs, os.getpid(), log, function, arguments), daemon=True
-        )
+        self._process = context.Process(target=_call, args=(theirs, os.getpid(), log, function, arguments), daemon=True)
         self._process.start()
         theirs.close()
 
@@ -62,9 +60,7 @@ class Background(Generic[T]):
             problem, value = self._answer.recv()
         except EOFError:
             self._process.join()
-            raise NoResult(
-                f"its process ended with status {self._process.exitcode}, see {self._log}"
-            ) from None
+            raise NoResult(f"its process ended with status {self._process.exitcode}, see {self._log}") from None
         if problem:
             raise NoResult(problem)
         return value
@@ -74,9 +70,7 @@ class Background(Generic[T]):
         self._process.kill()
 
 
-def _call(
-    answer: Connection, parent: int, log: Path, function: Callable[..., Any], arguments: tuple[Any, ...]
-) -> None:
+def _call(answer: Connection, parent: int, log: Path, function: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
     """In the other process: behind everybody else, out of Ctrl-C's reach, and gone when the command is."""
     os.setpgid(0, 0)
     os.nice(19)

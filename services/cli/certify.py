@@ -44,9 +44,7 @@ def certify(
     environment_speed: Annotated[float, typer.Option(help="[m/s]")] = 0.1,
     orientation: Annotated[
         list[str],
-        typer.Option(
-            help="X,Y,Z,W of the tool in base, to print the stiffness bound for, with --json; repeatable."
-        ),
+        typer.Option(help="X,Y,Z,W of the tool in base, to print the stiffness bound for, with --json; repeatable."),
     ] = [],  # noqa: B006
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
@@ -121,6 +119,4 @@ def _rotation(text: str) -> Array:
     try:
         return rotation_matrix([float(part) for part in text.split(",")])
     except ValueError:
-        raise Misconfigured(
-            f"--orientation {text!r}: wanted a unit quaternion x,y,z,w, separated by commas"
-        ) from None
+        raise Misconfigured(f"--orientation {text!r}: wanted a unit quaternion x,y,z,w, separated by commas") from None

@@ -20,20 +20,13 @@ from shared.wire.zenoh import DEFAULT_ENDPOINT as DEFAULT_ENDPOINT
 from shared.wire.zenoh import BusError, ZenohBus
 
 Robot = Annotated[
-    str,
-    typer.Option(
-        "--robot", envvar="TANDEM_ROBOT", help="First part of every key: which robot this is about."
-    ),
+    str, typer.Option("--robot", envvar="TANDEM_ROBOT", help="First part of every key: which robot this is about.")
 ]
 Connect = Annotated[
-    str,
-    typer.Option("--connect", envvar="TANDEM_CONNECT", help="Endpoint of the router of the running stack."),
+    str, typer.Option("--connect", envvar="TANDEM_CONNECT", help="Endpoint of the router of the running stack.")
 ]
 Router = Annotated[
-    str,
-    typer.Option(
-        "--router", envvar="TANDEM_CONNECT", help="Endpoint that the stack's own router listens on."
-    ),
+    str, typer.Option("--router", envvar="TANDEM_CONNECT", help="Endpoint that the stack's own router listens on.")
 ]
 DEFAULT_ROBOT = "tiago"
 CONNECT_WITHIN = 2.0  # [s]
@@ -59,9 +52,7 @@ def open_bus(
         bus = ZenohBus(robot, connect, give_up=lambda: give_up() or time.monotonic() > deadline)
     except BusError as problem:
         if give_up() or time.monotonic() > deadline:
-            refuse(
-                f"no router at {connect}. Start a stack with: tandem up, or choose another with --connect", 1
-            )
+            refuse(f"no router at {connect}. Start a stack with: tandem up, or choose another with --connect", 1)
         refuse(str(problem))
     try:
         yield bus
@@ -74,9 +65,7 @@ def ask(bus: Bus, query: Query, request: dict[str, Any], timeout: float = 3.0) -
     try:
         return Client(bus).ask(query, request, timeout)
     except NoReply:
-        refuse(
-            f"no answer on {query.key} within {timeout:g} s: is {query.server} running? See: tandem status", 1
-        )
+        refuse(f"no answer on {query.key} within {timeout:g} s: is {query.server} running? See: tandem status", 1)
     except Refused as problem:
         refuse(f"{query.server} refused: {problem}", 1)
 

@@ -7,16 +7,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from services.cli.common import (
-    DEFAULT_ENDPOINT,
-    DEFAULT_ROBOT,
-    Connect,
-    Robot,
-    open_bus,
-    refuse,
-    stop_event,
-    three,
-)
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse, stop_event, three
 from services.cli.health.diagnose import control_line
 from shared import topics
 from shared.messages import ControlTarget

@@ -46,9 +46,7 @@ def identify(
         subscription, status = client.watch(topics.STATE_EE), client.watch(topics.STATE_ROBOT)
         start = _first(subscription)
         roll, pitch, yaw = rpy_from_rotation(rotation_matrix(start.orientation))
-        typer.echo(
-            f"The tool stays near {np.round(start.position, 2).tolist()} m and tilts up to {angle:g} rad."
-        )
+        typer.echo(f"The tool stays near {np.round(start.position, 2).tolist()} m and tilts up to {angle:g} rad.")
         typer.echo("Nothing may touch it, and nothing but its payload may hang from it.")
         if not yes:
             typer.confirm("Move now?", abort=True)
@@ -67,9 +65,7 @@ def identify(
             _cancel(bus)
             raise
     _show(reply)
-    typer.echo(
-        f"The tool is back; the last target, with {force_limit} N and {torque_limit} Nm, stays in force."
-    )
+    typer.echo(f"The tool is back; the last target, with {force_limit} N and {torque_limit} Nm, stays in force.")
 
 
 def _first(subscription: Subscription[EndEffector]) -> EndEffector:

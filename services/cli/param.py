@@ -37,9 +37,7 @@ def get(
 
 @app.command("set")
 def set_(
-    settings: Annotated[
-        list[str], typer.Argument(help="SERVICE.NAME=VALUE in TOML, e.g. controller.max_linear=0.1")
-    ],
+    settings: Annotated[list[str], typer.Argument(help="SERVICE.NAME=VALUE in TOML, e.g. controller.max_linear=0.1")],
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
@@ -83,9 +81,7 @@ def shown(value: Any) -> str:
 
 def _query(service: str) -> Query:
     if service not in QUERIES:
-        refuse(
-            f"{service!r} has no parameters that can be changed while it runs; choose from {', '.join(QUERIES)}"
-        )
+        refuse(f"{service!r} has no parameters that can be changed while it runs; choose from {', '.join(QUERIES)}")
     return QUERIES[service]
 
 

@@ -25,9 +25,7 @@ class Progress:
         self._bars: bars.Progress | None = None
         if self._console.is_terminal:
             self._bars = bars.Progress(
-                bars.TextColumn(
-                    "{task.description}", table_column=Column(max_width=2 * self._console.width // 5)
-                ),
+                bars.TextColumn("{task.description}", table_column=Column(max_width=2 * self._console.width // 5)),
                 bars.BarColumn(bar_width=12),
                 bars.TextColumn("{task.fields[clock]:>9}"),
                 # What does not fit into the line is cut off.

@@ -38,9 +38,7 @@ def task(
     """Tell the carrying task what to do; `tandem topic echo task/status` says what it does and why."""
     with open_bus(robot, connect) as bus:
         reply = ask(bus, topics.TASK_COMMAND, {"command": command})
-    typer.echo(
-        f"{command}: accepted, the task is {reply['state']}; what it does: tandem topic echo task/status"
-    )
+    typer.echo(f"{command}: accepted, the task is {reply['state']}; what it does: tandem topic echo task/status")
 
 
 def load(

@@ -92,9 +92,7 @@ def _names(runs: str) -> list[str]:
     return [name.strip() for name in runs.split(",") if name.strip()]
 
 
-def _run(
-    name: str, names: list[str], out: Path | None, parallel: int, film: bool, robot: str, router: str
-) -> None:
+def _run(name: str, names: list[str], out: Path | None, parallel: int, film: bool, robot: str, router: str) -> None:
     """Plays the runs of these names, all that are usual if there are none, and writes their report."""
     experiment = EXPERIMENTS[name]
     try:

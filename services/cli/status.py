@@ -36,10 +36,7 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
             expected = diagnose.one_robot(expected, living)
         rows = diagnose.rows(living, heard, expected)
         if known is None:
-            rows = [
-                row if row.service in living | set(heard) else diagnose.never_seen(row.service)
-                for row in rows
-            ]
+            rows = [row if row.service in living | set(heard) else diagnose.never_seen(row.service) for row in rows]
         console.print(f"robot {robot} on {connect}", style="bold", highlight=False)
         console.print(services_table(rows, {}))
         for line in summary(watch):

@@ -29,9 +29,7 @@ def list_topics() -> None:
     """Every topic of the contract: key, who publishes it, nominal rate, fields with units."""
     shown = table("key", "publisher", "rate [Hz]", "fields")
     for topic in (*topics.TOPICS, topics.health_topic("<service>")):
-        fields = ", ".join(
-            f"{name} [{kind.unit}]" if kind.unit else name for name, kind, _ in topic.message.kinds()
-        )
+        fields = ", ".join(f"{name} [{kind.unit}]" if kind.unit else name for name, kind, _ in topic.message.kinds())
         rate = f"{topic.rate:g}" if topic.rate else "on change"
         shown.add_row(topic.key, topic.publisher, rate, Text(fields))
     Console().print(shown)
@@ -40,9 +38,7 @@ def list_topics() -> None:
 @app.command()
 def echo(
     key: Key,
-    count: Annotated[
-        int, typer.Option(min=0, help="End after this many messages; 0 = go on until Ctrl-C.")
-    ] = 0,
+    count: Annotated[int, typer.Option(min=0, help="End after this many messages; 0 = go on until Ctrl-C.")] = 0,
     within: Annotated[float, typer.Option(help="Give up when nothing is heard for this long [s].")] = 5.0,
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,

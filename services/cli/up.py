@@ -15,16 +15,7 @@ import typer
 from rich.console import Console
 from rich.live import Live
 
-from services.cli.common import (
-    DEFAULT_ENDPOINT,
-    DEFAULT_ROBOT,
-    Connect,
-    Robot,
-    Router,
-    open_bus,
-    refuse,
-    stop_event,
-)
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, Router, open_bus, refuse, stop_event
 from services.cli.health import diagnose
 from services.cli.health.diagnose import Row
 from services.cli.health.view import stack_view
@@ -55,12 +46,9 @@ Config = Annotated[
     Path | None, typer.Option("--config", envvar="TANDEM_CONFIG", help="TOML file with a table per service.")
 ]
 Set = Annotated[
-    list[str],
-    typer.Option("--set", help="SERVICE.NAME=VALUE in TOML, e.g. 'controller.law=\"paper\"'; repeatable."),
+    list[str], typer.Option("--set", help="SERVICE.NAME=VALUE in TOML, e.g. 'controller.law=\"paper\"'; repeatable.")
 ]
-With = Annotated[
-    list[str], typer.Option("--with", help=f"A further service: {', '.join(FURTHER)}; repeatable.")
-]
+With = Annotated[list[str], typer.Option("--with", help=f"A further service: {', '.join(FURTHER)}; repeatable.")]
 
 
 def up(
@@ -70,8 +58,7 @@ def up(
     settings: Set = [],  # noqa: B006 - typer copies it
     further: With = [],  # noqa: B006
     carry: Annotated[
-        bool,
-        typer.Option("--carry", help="With panel, camera and person, base and task, set up for a carry."),
+        bool, typer.Option("--carry", help="With panel, camera and person, base and task, set up for a carry.")
     ] = False,
 ) -> None:
     """Start a stack (router, simulated robot, wrench, controller) and show its state until Ctrl-C."""
@@ -89,16 +76,12 @@ def up(
         stack = StackProcesses(plan, children)
         try:
             wait_for_router(stack.processes[ROUTER])
-            with open_bus(
-                robot, router, ROUTER_WITHIN, lambda: stop.is_set() or ROUTER in stack.ended()
-            ) as bus:
+            with open_bus(robot, router, ROUTER_WITHIN, lambda: stop.is_set() or ROUTER in stack.ended()) as bus:
                 _show(stack, Watch(bus), stop)
         finally:
             plan.forget()
         hard = children.stop()
-    typer.echo(
-        "all processes ended" if not hard else f"ended badly: {', '.join(_bad(child) for child in hard)}"
-    )
+    typer.echo("all processes ended" if not hard else f"ended badly: {', '.join(_bad(child) for child in hard)}")
     if hard:
         raise typer.Exit(1)
 

@@ -111,9 +111,7 @@ class Controller(Service[ControllerParameters]):
             notes.append(f"{CONTROL_TARGET.key}: {self._refused}; the last valid one stays in force")
         if self._show_failure > 0.0 and self.law.last_failure is not None:
             data = json.dumps(self.law.last_failure, default=str)
-            notes.append(
-                f"{self._failures} ticks braked for a failed quadratic program, the last one: {data}"
-            )
+            notes.append(f"{self._failures} ticks braked for a failed quadratic program, the last one: {data}")
         return "; ".join(notes)
 
     def _listen(self, inputs: Inputs) -> None:
@@ -151,9 +149,7 @@ class Controller(Service[ControllerParameters]):
             return "waiting", "the timing was changed: resting until it holds for everything commanded"
         return None
 
-    def _decide(
-        self, measured: Array, wrench: ExternalWrench, tool: EndEffector, dt: float
-    ) -> Iterator[Output]:
+    def _decide(self, measured: Array, wrench: ExternalWrench, tool: EndEffector, dt: float) -> Iterator[Output]:
         assert self._target is not None
         nominal = self._in_force.nominal
         output = self.law.step(

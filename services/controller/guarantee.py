@@ -82,9 +82,7 @@ def stiffness(parameters: ControllerParameters, limit: Array, rotation: Array) -
     return _bound(parameters, limit, 0.0, rotation).matrix
 
 
-def _bound(
-    parameters: ControllerParameters, limit: Array, turn: float, rotation: Array = _PARALLEL
-) -> StiffnessBound:
+def _bound(parameters: ControllerParameters, limit: Array, turn: float, rotation: Array = _PARALLEL) -> StiffnessBound:
     bound = StiffnessBound(parameters.contact_zones)
     # A bound may be kept until it is wider than needed by twice the quantum; this is the widest.
     widest = turn + parameters.max_angular * parameters.period + TURN_QUANTUM
@@ -100,8 +98,7 @@ def _approach(parameters: ControllerParameters, limit: Array, caps: Caps, axis: 
     for _ in range(_ROUNDS):
         bound = _bound(parameters, limit, 0.0 if linear else slowest[0] * (parameters.delay + parameters.lag))
         allowed = [
-            (caps.levels[0][j] / (bound.rows[j][axis] * parameters.horizon), f"limit {AXES[j]}")
-            for j in range(6)
+            (caps.levels[0][j] / (bound.rows[j][axis] * parameters.horizon), f"limit {AXES[j]}") for j in range(6)
         ]
         own = caps.levels[2][axis] / (bound.rows[axis][axis] * parameters.horizon)
         slowest = min(fastest, *allowed, (own, f"limit {AXES[axis]} less the reserve"))
@@ -144,14 +141,12 @@ def as_map(
     }
 
 
-def as_text(
-    parameters: ControllerParameters, limit: Array, error_bound: Array, environment_speed: float = 0.1
-) -> str:
+def as_text(parameters: ControllerParameters, limit: Array, error_bound: Array, environment_speed: float = 0.1) -> str:
     """The certificates for a person, as a table of several lines; arguments and errors as of ``certificates``."""
     found = certificates(parameters, limit, error_bound, environment_speed)
     lines = [
         f"certified law, {_form(parameters)}; T {parameters.period * 1e3:g} ms, d {parameters.delay * 1e3:g} ms, "
-        f"tau {parameters.lag * 1e3:g} ms: a command has acted {parameters.horizon * 1e3:g} ms after its sample",
+        f"tau {parameters.lag * 1e3:g} ms: a command has acted {parameters.horizon * 1e3:g} ms after its sample"
     ]
     for zone in parameters.contact_zones:
         reach = ", ".join(f"{length:g}" for length in zone.reach)

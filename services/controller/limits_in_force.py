@@ -25,9 +25,7 @@ class LimitsInForce:
         self.limit = np.full(6, np.inf)
         self.nominal = np.zeros(6)
         self._begun = False
-        self._reached: tuple[Array, Array] | None = (
-            None  # limit and nominal wrench of the target, once in force
-        )
+        self._reached: tuple[Array, Array] | None = None  # limit and nominal wrench of the target, once in force
 
     def follow(self, limit: Array, nominal: Array, dt: float) -> None:
         """Move towards the target's limit and nominal wrench (6,), ``dt`` [s] after the last call.

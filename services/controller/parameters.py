@@ -14,9 +14,7 @@ LawName = Literal["certified", "paper", "stiffness"]
 class ControllerParameters(Parameters):
     """Law, what the environment may be like, how the robot is connected, and how fast it may move."""
 
-    law: LawName = option(
-        "certified", "certified: force limits proven; paper: Dawson et al.; stiffness: a spring"
-    )
+    law: LawName = option("certified", "certified: force limits proven; paper: Dawson et al.; stiffness: a spring")
     lyapunov_rate: float = parameter(10.0, "1/s", 0.01, 100.0, "lambda, wanted rate of the Lyapunov function")
     relaxation_weight: float = parameter(
         1.0,
@@ -25,12 +23,8 @@ class ControllerParameters(Parameters):
         100.0,
         "k; caps the pull to the target: the free tool converges with min(k, lambda)/2 per second",
     )
-    barrier_rate: Vector6 = parameter(
-        (1.0,) * 6, "1/s per N/m, Nm/rad", 1e-4, 1e3, "alpha of the law paper, per axis"
-    )
-    contact_stiffness: float = parameter(
-        500.0, "N/m", 1.0, 1e7, "kappa, largest stiffness, sum over all contacts"
-    )
+    barrier_rate: Vector6 = parameter((1.0,) * 6, "1/s per N/m, Nm/rad", 1e-4, 1e3, "alpha of the law paper, per axis")
+    contact_stiffness: float = parameter(500.0, "N/m", 1.0, 1e7, "kappa, largest stiffness, sum over all contacts")
     contact_reach: Vector3 = parameter(
         (1.2, 0.3, 0.05), "m", 1e-3, 5.0, "farthest contact from the tool origin, tool axes"
     )
@@ -40,18 +34,10 @@ class ControllerParameters(Parameters):
         "further contact zones {stiffness [N/m], reach [m], friction}, each within the ranges of contact_*; "
         "their stiffnesses add up",
     )
-    reserve: float = parameter(
-        0.1, "1", 0.0, 0.5, "share of the limit that pressing leaves for sliding and retreat"
-    )
-    yield_start: float = parameter(
-        1.0, "1", 0.5, 1.0, "share of the limit where yielding begins; 1 = only beyond it"
-    )
-    period: float = parameter(
-        0.02, "s", 1e-3, LONGEST_TTL, "T, longest time one command acts; sent as its ttl"
-    )
-    delay: float = parameter(
-        0.02, "s", 0.0, 0.1, "d, from contact to sample plus from command to motion, at most"
-    )
+    reserve: float = parameter(0.1, "1", 0.0, 0.5, "share of the limit that pressing leaves for sliding and retreat")
+    yield_start: float = parameter(1.0, "1", 0.5, 1.0, "share of the limit where yielding begins; 1 = only beyond it")
+    period: float = parameter(0.02, "s", 1e-3, LONGEST_TTL, "T, longest time one command acts; sent as its ttl")
+    delay: float = parameter(0.02, "s", 0.0, 0.1, "d, from contact to sample plus from command to motion, at most")
     lag: float = parameter(0.02, "s", 0.0, 0.5, "tau, lag of the robot's motion")
     payload_mass: float = parameter(
         0.0,

@@ -54,9 +54,7 @@ def _parser() -> argparse.ArgumentParser:
     report = commands.add_parser("report", help="judge the recordings in a folder and write its page")
     report.set_defaults(carry_out=_report)
     report.add_argument("folder", type=Path)
-    report.add_argument(
-        "--ran", action="append", default=[], metavar="TEXT", help="how it was run, for the page"
-    )
+    report.add_argument("--ran", action="append", default=[], metavar="TEXT", help="how it was run, for the page")
     return parser
 
 

@@ -18,9 +18,7 @@ class MockParameters(Parameters):
     max_linear: float = parameter(0.5, "m/s", 0.01, 2.0, "largest speed of the tool's origin")
     max_angular: float = parameter(1.0, "rad/s", 0.01, 3.0, "largest turning rate of the tool")
     position: Vector3 = option((0.5, -0.3, 1.0), "of the tool at the start, in base", unit="m")
-    still: bool = option(
-        False, "the tool stays where it is, whatever the gate lets through: a first day with a robot"
-    )
+    still: bool = option(False, "the tool stays where it is, whatever the gate lets through: a first day with a robot")
     wrench: Vector6 = option((0.0,) * 6, "that acts on the tool's origin, base axes", unit="N, Nm")
     noise: Vector6 = parameter(
         (0.02,) * 3 + (0.002,) * 3, "N, Nm", 0.0, math.inf, "standard deviation of the sensor's, per axis"

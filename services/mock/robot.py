@@ -26,9 +26,7 @@ class MockRobot(Service[MockParameters]):
     def __init__(self, parameters: MockParameters) -> None:
         super().__init__(parameters)
         self.side = RobotSide(
-            GateLimits(
-                parameters.max_linear, parameters.max_angular, MAX_ACCELERATION, MAX_ANGULAR_ACCELERATION
-            ),
+            GateLimits(parameters.max_linear, parameters.max_angular, MAX_ACCELERATION, MAX_ANGULAR_ACCELERATION),
             parameters.base_type,
             simulated=True,
             base=tiago.BASES[parameters.base_type],

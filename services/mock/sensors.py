@@ -54,9 +54,7 @@ class Sensors:
         return EndEffector(motors.position, quaternion(motors.rotation), twist[:3], twist[3:])
 
     def _sample(self) -> FtSample:
-        in_sensor = np.concatenate(
-            (self.wrench[:3] @ self._motors.rotation, self.wrench[3:] @ self._motors.rotation)
-        )
+        in_sensor = np.concatenate((self.wrench[:3] @ self._motors.rotation, self.wrench[3:] @ self._motors.rotation))
         reading = wrench_about(in_sensor, TOOL_IN_SENSOR) + self._random.normal(0.0, self._noise)
         return FtSample(reading[:3], reading[3:], quaternion(self._motors.rotation), TOOL_IN_SENSOR, False)
 

@@ -27,9 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         default=os.environ.get("TANDEM_LISTEN", DEFAULT_ENDPOINT),
         help="endpoint to listen on (default: %(default)s); the other processes need it as --connect",
     )
-    parser.add_argument(
-        "--config", type=Path, help="Zenoh's own JSON5 configuration, which then decides everything"
-    )
+    parser.add_argument("--config", type=Path, help="Zenoh's own JSON5 configuration, which then decides everything")
     try:
         options = parser.parse_args(arguments)
         session = open_router(options.listen, options.config)

@@ -57,15 +57,11 @@ class SimParameters(Parameters):
     )
     max_linear: float = parameter(0.3, "m/s", 0.01, 1.0, "largest speed of the tool's origin")
     max_angular: float = parameter(1.0, "rad/s", 0.01, 3.0, "largest turning rate of the tool")
-    max_linear_acceleration: float = parameter(
-        5.0, "m/s2", 0.1, 100.0, "of speeding up; slowing down is not limited"
-    )
+    max_linear_acceleration: float = parameter(5.0, "m/s2", 0.1, 100.0, "of speeding up; slowing down is not limited")
     max_angular_acceleration: float = parameter(
         10.0, "rad/s2", 0.1, 100.0, "of speeding up; slowing down is not limited"
     )
-    panel_size: Vector3 = parameter(
-        (1.2, 0.6, 0.05), "m", 0.02, 3.0, "length, width and thickness of the panel"
-    )
+    panel_size: Vector3 = parameter((1.2, 0.6, 0.05), "m", 0.02, 3.0, "length, width and thickness of the panel")
     panel_mass: float = parameter(1.5, "kg", 0.2, 10.0, "of the panel")
     panel_friction: float = parameter(0.6, "1", 0.0, 2.0, "of the panel on the ground and on its supports")
     panel_stiffness: float = parameter(

@@ -78,7 +78,5 @@ def _extent(target: str, kind: str, value: Any) -> Sequence[float]:
     if target == "camera":
         return (Number("of 255", minimum=-WHITE, maximum=WHITE).check(value, "value"),)
     several = isinstance(value, (list, tuple))
-    bias = Vector(
-        "N, Nm or rad", size=_AXES[target] if several else 1, minimum=-LARGEST_FORCE, maximum=LARGEST_FORCE
-    )
+    bias = Vector("N, Nm or rad", size=_AXES[target] if several else 1, minimum=-LARGEST_FORCE, maximum=LARGEST_FORCE)
     return bias.check(value if several else [value], "value").tolist()

@@ -39,9 +39,7 @@ class Simulator(Service[SimParameters]):
     which it arrived, and its time to live is counted from there: the gate's answers are as sharp as the physics steps.
     """
 
-    def __init__(
-        self, parameters: SimParameters, rendering: Callable[[Scenery], Rendering] = DirectRendering
-    ) -> None:
+    def __init__(self, parameters: SimParameters, rendering: Callable[[Scenery], Rendering] = DirectRendering) -> None:
         super().__init__(parameters)
         self._ticks = Ticks(parameters.ft_rate, parameters.joint_rate, parameters.physics_rate)
         # Real time per simulated time: the gate's deadlines are promises in real time.
@@ -86,10 +84,7 @@ class Simulator(Service[SimParameters]):
         """Simulate one tick; ``dt`` [s] of real time have passed since the last one."""
         self._pace.add(dt, self._stretch / self._ticks.rate)
         self._advance(inputs)
-        return [
-            *self._outputs(inputs.wanted(topics.SENSOR_CAMERA)),
-            *self.side.report(dt, self.world.arm.limited_by),
-        ]
+        return [*self._outputs(inputs.wanted(topics.SENSOR_CAMERA)), *self.side.report(dt, self.world.arm.limited_by)]
 
     def brake(self, fault: Fault, dt: float) -> list[Output]:
         """The world stands still with the process."""
@@ -151,9 +146,7 @@ class Simulator(Service[SimParameters]):
         reading, saturated = line.stick(lambda: self._sensor.read(arm.physics.wrist_wrench()))
         reading = line.shift(reading)
         _, rotation = arm.kinematics.sensor()
-        return FtSample(
-            reading[:3], reading[3:], quaternion(rotation), arm.kinematics.tool_in_sensor, saturated
-        )
+        return FtSample(reading[:3], reading[3:], quaternion(rotation), arm.kinematics.tool_in_sensor, saturated)
 
     def _base_state(self) -> BaseState:
         base = self.world.base
@@ -170,7 +163,5 @@ class Simulator(Service[SimParameters]):
             if scene.person.asked:
                 hands = scene.person.hands
                 wanted, turned = hands.wish(scene.panel)
-                hand = HandState(
-                    hands.place, hands.force, hands.torque, scene.person.doing, wanted, quaternion(turned)
-                )
+                hand = HandState(hands.place, hands.force, hands.torque, scene.person.doing, wanted, quaternion(turned))
         return SimWorld(self.world.time, panel, state, hand, np.array(self.world.contact_force), visible)

@@ -13,10 +13,7 @@ from services.task.timers import Sustained
 _STILL = 0.02  # [m/s, rad/s] below which the tool is at rest
 _FREE_AFTER = 0.5  # [s] at rest and without a force
 _SWEEP_EVERY = 2.0  # [s] for which the head looks each way
-_OUT_OF_SIGHT, _OUT_OF_SIGHT_ANGLE = (
-    0.03,
-    0.1,
-)  # [m], [rad] from the lookout pose, where the arm hides nothing
+_OUT_OF_SIGHT, _OUT_OF_SIGHT_ANGLE = (0.03, 0.1)  # [m], [rad] from the lookout pose, where the arm hides nothing
 _ALIGNED, _ALIGNED_ANGLE = 0.02, 0.1  # [m], [rad] off the line to the grasp at which the tool may go in
 _ASTRAY = 0.05  # [m] off that line from which the tool goes back and begins anew: the panel was moved
 _TURNED_MUCH = 0.5

@@ -59,9 +59,7 @@ class Commands(ABC):
             self._carry_from(seen)
             return self._go(State.CARRYING, "carrying on", seen)
         if self.state is not State.IDLE:
-            instead = (
-                "`reset` first" if self.state in (State.HOLDING, State.DONE) else "it is at work already"
-            )
+            instead = "`reset` first" if self.state in (State.HOLDING, State.DONE) else "it is at work already"
             raise Refused(f"start in state {self.state.value}: {instead}")
         if problem := self._settings.impossible():
             raise Refused(problem)

@@ -51,12 +51,8 @@ _SENTENCES = {
         "controller_silent": "control/status is {}. Is controller running?",
         "controller_braking": "the controller brakes ({})",
     },
-    Impairment.UNSURE: {
-        "gripper_silent": "state/gripper is silent or marked invalid. Is the robot process running?"
-    },
-    Impairment.LOOSE: {
-        "slipped": "the gripper says that it does not hold the panel any more: `reset` begins anew"
-    },
+    Impairment.UNSURE: {"gripper_silent": "state/gripper is silent or marked invalid. Is the robot process running?"},
+    Impairment.LOOSE: {"slipped": "the gripper says that it does not hold the panel any more: `reset` begins anew"},
     Impairment.BLIND: {
         "camera_never": "waiting for sensor/camera: never received. Is the camera on?",
         "camera_silent": "no image for {}. Is the camera on?",

@@ -19,9 +19,7 @@ from shared.spatial import (
 )
 
 QUARTER = math.pi / 2
-STEEPEST = math.radians(
-    30.0
-)  # [rad] of pitch up to which the tool's roll says how far a panel in it is turned
+STEEPEST = math.radians(30.0)  # [rad] of pitch up to which the tool's roll says how far a panel in it is turned
 
 
 @dataclass(frozen=True, eq=False)

@@ -173,12 +173,7 @@ def boot_id() -> str:
 
 
 def judge(
-    entry: JournalEntry | None,
-    problem: str,
-    seen: Observation,
-    parameters: TaskParameters,
-    now: float,
-    boot: str = "",
+    entry: JournalEntry | None, problem: str, seen: Observation, parameters: TaskParameters, now: float, boot: str = ""
 ) -> Resumption:
     """Whether a restart may go by what it read.
 
@@ -206,9 +201,7 @@ def judge(
         what = f"of a panel of {entry.mass:g} kg, panel_mass is {parameters.panel_mass:g} kg"
         return Resumption(kept=entry, reason=f"the journal is {what}")
     if entry.session != seen.session:
-        return Resumption(
-            kept=entry, reason="the robot was restarted meanwhile, its poses mean something else now"
-        )
+        return Resumption(kept=entry, reason="the robot was restarted meanwhile, its poses mean something else now")
     if entry.state not in _CARRIED_ON:
         return Resumption(kept=entry, reason=f"the task was {entry.state} before its restart")
     target = entry.target_pose

@@ -154,11 +154,7 @@ class StateMachine(Commands):
     def _patience(self, kind: Impairment) -> float | None:
         """Time [s] that is waited for a fault of a kind to go away; None if it does not matter now."""
         limit = patience(self.state, kind, self._settings)
-        if (
-            self.state is not State.RELEASING
-            or self._carry is None
-            or kind in (Impairment.STOPPED, Impairment.LOST)
-        ):
+        if self.state is not State.RELEASING or self._carry is None or kind in (Impairment.STOPPED, Impairment.LOST):
             return limit
         if self._carry.letting_go:
             # What has been let go cannot be held for a fault of what held it.
@@ -238,9 +234,7 @@ class StateMachine(Commands):
         nominal = NominalWrench(self._settings.half_weight, entry.nominal, entry.supported)
         return Carry(self._settings, self.fingers, home, float(entry.target[2]), nominal)
 
-    def _with_grip(
-        self, seen: Observation | None, faults: Sequence[TaskFault], dt: float
-    ) -> Sequence[TaskFault]:
+    def _with_grip(self, seen: Observation | None, faults: Sequence[TaskFault], dt: float) -> Sequence[TaskFault]:
         """The faults, with those of the grip while the panel is held."""
         if self._carry is None or not self.fingers.hold or self.state not in WITH_PANEL:
             self._watch.forget()

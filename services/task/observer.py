@@ -55,9 +55,7 @@ class Observer:
             speed=float(np.linalg.norm(message.linear)),
             turning=float(np.linalg.norm(message.angular)),
             session=tool.header.session,
-            wrench=None
-            if numb or wrench is None
-            else np.concatenate((wrench.message.force, wrench.message.torque)),
+            wrench=None if numb or wrench is None else np.concatenate((wrench.message.force, wrench.message.torque)),
             gripper=gripper.message if fresh and gripper is not None else None,
             marker=tracker.pose,
             doubt=tracker.doubt,

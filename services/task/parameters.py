@@ -16,19 +16,13 @@ class TaskParameters(Parameters):
     marker_id: int = parameter(7, "", 0, 49, "number of the marker, DICT_4X4_50")
     marker_size: float = parameter(0.15, "m", 0.02, 1.0, "side of the marker's printed black square")
     marker_error: float = parameter(0.5, "px", 0.01, 10.0, "largest reprojection error (rms) of its corners")
-    marker_ambiguity: float = parameter(
-        2.0, "1", 1.0, 100.0, "how many times worse the other tilt has to fit"
-    )
+    marker_ambiguity: float = parameter(2.0, "1", 1.0, 100.0, "how many times worse the other tilt has to fit")
     marker_jump: float = parameter(0.05, "m", 1e-3, 1.0, "largest step between two accepted images")
     marker_jump_angle: float = parameter(0.2, "rad", 1e-3, 3.0, "largest turn between two accepted images")
     marker_max_age: float = parameter(0.5, "s", 0.05, 2.0, "age of an image up to which its pose is used")
     marker_confirm: int = parameter(3, "images", 1, 100, "that have to agree at first")
     grasp_position: Vector3 = parameter(
-        (0.0, -0.25, -0.025),
-        "m",
-        -2.0,
-        2.0,
-        "tool origin in marker axes (x right, y up on the print, z out of it)",
+        (0.0, -0.25, -0.025), "m", -2.0, 2.0, "tool origin in marker axes (x right, y up on the print, z out of it)"
     )
     grasp_rpy: Vector3 = parameter(
         (-QUARTER, 0.0, QUARTER),
@@ -37,19 +31,13 @@ class TaskParameters(Parameters):
         math.pi,
         "roll, pitch, yaw of the tool in marker axes; roll 90 degrees: TIAGo's fingers open along tool y",
     )
-    reach_low: Vector3 = parameter(
-        (0.35, -0.7, 0.3), "m", -2.0, 2.0, "least tool position for a grasp, in base"
-    )
+    reach_low: Vector3 = parameter((0.35, -0.7, 0.3), "m", -2.0, 2.0, "least tool position for a grasp, in base")
     reach_high: Vector3 = parameter((0.75, 0.2, 1.2), "m", -2.0, 2.0, "greatest tool position for a grasp")
     reach_down: float = parameter(
         0.27, "m", -1.0, 2.0, "least height of the tool in base at which the turned panel can be set down"
     )
     lookout_position: Vector3 = parameter(
-        (0.45, -0.39, 0.78),
-        "m",
-        -2.0,
-        2.0,
-        "tool in base where the arm does not hide the panel from the camera",
+        (0.45, -0.39, 0.78), "m", -2.0, 2.0, "tool in base where the arm does not hide the panel from the camera"
     )
     lookout_rpy: Vector3 = parameter(
         (-QUARTER, 0.0, 0.0), "rad", -math.pi, math.pi, "roll, pitch, yaw of the tool there"
@@ -57,9 +45,7 @@ class TaskParameters(Parameters):
     standoff: float = parameter(0.15, "m", 0.02, 0.5, "way to the grasp, and back, along tool x")
     approach_speed: float = parameter(0.05, "m/s", 0.005, 0.25, "of the target on its last way to the grasp")
     panel_length: float = parameter(1.2, "m", 0.2, 3.0, "L, from the tool to the person's hands")
-    panel_width: float = parameter(
-        0.6, "m", 0.1, 2.0, "height of the panel when it stands turned on the ground"
-    )
+    panel_width: float = parameter(0.6, "m", 0.1, 2.0, "height of the panel when it stands turned on the ground")
     panel_thickness: float = parameter(0.05, "m", 0.002, 0.1, "between the fingers")
     panel_mass: float = parameter(1.5, "kg", 0.05, 10.0, "m; the robot carries half")
     ground_height: float = parameter(0.0, "m", -0.5, 1.0, "of the ground under the panel, in base, to 4 cm")
@@ -67,11 +53,7 @@ class TaskParameters(Parameters):
     gripper_effort: float = parameter(16.0, "N", 0.5, 100.0, "of closing")
     grasp_effort: float = parameter(3.0, "N", 0.0, 100.0, "effort that a verified grasp shows at least")
     grip_torque: float = parameter(
-        10.0,
-        "Nm",
-        0.1,
-        1000.0,
-        "largest moment of the panel's weight that the gripper holds alone; simulated: 12",
+        10.0, "Nm", 0.1, 1000.0, "largest moment of the panel's weight that the gripper holds alone; simulated: 12"
     )
     grasp_width: float = parameter(
         0.02, "m", 1e-3, 0.1, "largest difference of opening and panel_thickness: foam and fingers give way"
@@ -79,35 +61,25 @@ class TaskParameters(Parameters):
     compensation: Literal["tare", "payload"] = option(
         "tare", "least compensation of the wrench; turning by 90 degrees wants payload"
     )
-    free_force: float = parameter(
-        3.0, "N", 0.1, 50.0, "largest force on a tool that touches nothing, after a tare"
-    )
+    free_force: float = parameter(3.0, "N", 0.1, 50.0, "largest force on a tool that touches nothing, after a tare")
     force_limit: Vector3 = parameter((10.0,) * 3, "N", 0.1, 200.0, "on x, y, z")
     torque_limit: Vector3 = parameter((0.5, 3.0, 3.0), "Nm", 0.05, 50.0, "about x, y, z")
     fixed_target: bool = option(
         False, "the whole pose of the grasp stays the target, as in the paper: for the law paper"
     )
-    level_assist: float = parameter(
-        1.0, "1", 0.0, 1.0, "share of the level assist; 0 = off: the height of the grasp"
-    )
-    level_compliance: float = parameter(
-        0.01, "rad/Nm", 0.0, 0.1, "tilt that a newton metre across the panel counts as"
-    )
+    level_assist: float = parameter(1.0, "1", 0.0, 1.0, "share of the level assist; 0 = off: the height of the grasp")
+    level_compliance: float = parameter(0.01, "rad/Nm", 0.0, 0.1, "tilt that a newton metre across the panel counts as")
     release_ramp: bool = option(
         True, "the nominal wrench fades while the panel is set down; off, a heavy one is never released"
     )
     head_pan: float = parameter(-0.35, "rad", -1.309, 1.309, "looking at the panel")
     head_tilt: float = parameter(-0.6, "rad", -1.047, 0.785, "looking at the panel")
     head_sweep: float = parameter(0.35, "rad", 0.0, 1.0, "pan to either side while nothing is seen")
-    patience: float = parameter(
-        3.0, "s", 0.0, 60.0, "wait for wrench, controller or tool pose before holding"
-    )
+    patience: float = parameter(3.0, "s", 0.0, 60.0, "wait for wrench, controller or tool pose before holding")
     marker_patience: float = parameter(5.0, "s", 0.0, 60.0, "wait for a covered marker before holding")
     search_patience: float = parameter(60.0, "s", 1.0, 3600.0, "search for the marker before holding")
     move_patience: float = parameter(60.0, "s", 5.0, 600.0, "longest approach or retreat before holding")
-    grasp_patience: float = parameter(
-        6.0, "s", 2.0, 60.0, "for the gripper to close or open as wanted, before holding"
-    )
+    grasp_patience: float = parameter(6.0, "s", 2.0, 60.0, "for the gripper to close or open as wanted, before holding")
     resume_distance: float = parameter(
         0.2, "m", 0.0, 1.0, "from the last target up to which a restart goes on carrying"
     )
@@ -115,9 +87,7 @@ class TaskParameters(Parameters):
         0.5, "rad", 0.0, 3.0, "turn from the last target up to which a restart goes on carrying"
     )
     journal_max_age: float = parameter(120.0, "s", 1.0, 86400.0, "of a journal that a restart goes by")
-    max_delay: float = parameter(
-        0.1, "s", 1e-3, 1.0, "bound on how much later than the fastest one a pose may arrive"
-    )
+    max_delay: float = parameter(0.1, "s", 1e-3, 1.0, "bound on how much later than the fastest one a pose may arrive")
 
     def check(self) -> None:
         """Refuse a gripper that cannot open wider than the panel.

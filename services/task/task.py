@@ -149,14 +149,7 @@ class Task(Service[TaskParameters]):
         yield from self._outbox.commands(machine.state, decision, dt)
         if self._outbox.status_due(machine.state, dt):
             marker = MarkerPose(pose.position, pose.orientation, self._tracker.age) if pose else None
-            says = (
-                machine.state.value,
-                machine.since,
-                machine.reason,
-                machine.rotation,
-                self._height,
-                marker,
-            )
+            says = (machine.state.value, machine.since, machine.reason, machine.rotation, self._height, marker)
             yield Output(topics.TASK_STATUS, TaskStatus(*says))
 
     def _look_for_marker(self, inputs: Inputs) -> None:

@@ -78,9 +78,7 @@ class AveragingWindow:
         """
         count = len(self._readings)
         if count < FEWEST_SAMPLES:
-            raise NotStill(
-                f"only {count} samples came in, wanted at least {FEWEST_SAMPLES}: use a longer duration"
-            )
+            raise NotStill(f"only {count} samples came in, wanted at least {FEWEST_SAMPLES}: use a longer duration")
         rotation = self._mean_rotation()
         readings = np.array(self._readings)
         mean, std = readings.mean(axis=0), readings.std(axis=0, ddof=1)
@@ -101,8 +99,6 @@ class AveragingWindow:
         turns = np.array([rotation_vector(rotation @ first.T) for rotation in self._rotations])
         largest = float(np.sqrt((turns**2).sum(axis=1)).max())
         if largest > LARGEST_TURN:
-            raise NotStill(
-                f"the sensor turned by {largest:.3f} rad, allowed are {LARGEST_TURN} rad: the tool moves"
-            )
+            raise NotStill(f"the sensor turned by {largest:.3f} rad, allowed are {LARGEST_TURN} rad: the tool moves")
         # Within a hundredth of a radian the mean of the rotation vectors is the mean of the rotations.
         return rotation_from_vector(turns.mean(axis=0)) @ first

@@ -44,13 +44,10 @@ class Compensation(Record):
     kind: str = of(Text(choices=("none", "tare", "payload")), default="none")
     bias: Array = of(Vector("N, Nm", "sensor axes", size=6), default=_ZERO6)
     bias_error: Array = of(
-        Vector("N, Nm", "bound on the error of bias at the orientations it was measured in", size=6),
-        default=_ZERO6,
+        Vector("N, Nm", "bound on the error of bias at the orientations it was measured in", size=6), default=_ZERO6
     )
     mass: float = of(Number("kg", "of the identified payload, 0 for none and tare"), default=0.0)
-    moment: Array = of(
-        Vector("kg m", "mass times centre of mass of the payload, sensor axes"), default=_ZERO3
-    )
+    moment: Array = of(Vector("kg m", "mass times centre of mass of the payload, sensor axes"), default=_ZERO3)
     mass_error: float = of(Number("kg", "bound on the error of mass"), default=0.0)
     moment_error: float = of(Number("kg m", "bound on the length of the error of moment"), default=0.0)
     noise: Array = of(

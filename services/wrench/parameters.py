@@ -9,11 +9,7 @@ class WrenchParameters(Parameters):
     """Names, units and ranges; vectors of six are along x, y, z and about x, y, z of the sensor."""
 
     lowpass_hz: float = parameter(
-        0.0,
-        "Hz",
-        0.0,
-        1000.0,
-        "corner of the low pass, 0 = off; its lag 1/(2 pi f) counts in the controller's delay",
+        0.0, "Hz", 0.0, 1000.0, "corner of the low pass, 0 = off; its lag 1/(2 pi f) counts in the controller's delay"
     )
     noise_bound: Vector6 = parameter(
         (0.5, 0.5, 0.5, 0.025, 0.025, 0.025),
@@ -30,15 +26,9 @@ class WrenchParameters(Parameters):
         "bound on the bias of the sensor as long as nothing was tared",
     )
     tool_mass: float = parameter(
-        0.83,
-        "kg",
-        0.0,
-        50.0,
-        "largest mass beyond the sensor while it is not identified (TIAGo's gripper: 0.8226)",
+        0.83, "kg", 0.0, 50.0, "largest mass beyond the sensor while it is not identified (TIAGo's gripper: 0.8226)"
     )
-    tool_reach: float = parameter(
-        0.1, "m", 0.0, 2.0, "largest distance of that mass' centre from the tool's origin"
-    )
+    tool_reach: float = parameter(0.1, "m", 0.0, 2.0, "largest distance of that mass' centre from the tool's origin")
     stuck_after: float = parameter(
         0.1,
         "s",

@@ -13,9 +13,7 @@ INVALID = "invalid"
 
 RESOLUTION = 1e-9  # [N, Nm] between equal readings: a living sensor's noise is far above, rounding below
 FEWEST_REPEATS = 2  # a coarse sensor repeats a value by chance; at 30 Hz no more than this fits into 0.1 s
-PERIODS_AHEAD = (
-    2.5  # a value froze up to a period before its first sample; the next is a period off, and late
-)
+PERIODS_AHEAD = 2.5  # a value froze up to a period before its first sample; the next is a period off, and late
 
 
 class SensorWatch:

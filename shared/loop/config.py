@@ -45,23 +45,15 @@ class OneLineParser(argparse.ArgumentParser):
 def service_parser(service: str) -> OneLineParser:
     """The options that every service process has."""
     parser = OneLineParser(prog=f"python -m services.{service}")
+    parser.add_argument("--robot", default=os.environ.get("TANDEM_ROBOT", "tiago"), help="first chunk of every key")
     parser.add_argument(
-        "--robot", default=os.environ.get("TANDEM_ROBOT", "tiago"), help="first chunk of every key"
-    )
-    parser.add_argument(
-        "--connect",
-        default=os.environ.get("TANDEM_CONNECT", DEFAULT_ENDPOINT),
-        help="endpoint of the Zenoh router",
+        "--connect", default=os.environ.get("TANDEM_CONNECT", DEFAULT_ENDPOINT), help="endpoint of the Zenoh router"
     )
     parser.add_argument(
         "--config", default=os.environ.get("TANDEM_CONFIG") or None, help="TOML file, one table per service"
     )
     parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="a parameter, value in TOML; wins over the file",
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="a parameter, value in TOML; wins over the file"
     )
     return parser
 
@@ -74,9 +66,7 @@ def settings(service: str, parameters: type[P], arguments: Sequence[str] | None 
     """
     options = service_parser(service).parse_args(arguments)
     return Settings(
-        robot_name(options.robot),
-        options.connect,
-        service_parameters(service, parameters, options.config, options.set),
+        robot_name(options.robot), options.connect, service_parameters(service, parameters, options.config, options.set)
     )
 
 
@@ -91,9 +81,7 @@ def robot_name(name: str) -> str:
     return name
 
 
-def service_parameters(
-    service: str, parameters: type[P], config: str | Path | None, assignments: Sequence[str]
-) -> P:
+def service_parameters(service: str, parameters: type[P], config: str | Path | None, assignments: Sequence[str]) -> P:
     """Parameters of a service from a file's table of its name and from ``key=value`` assignments, which win.
 
     Raises:
@@ -112,9 +100,7 @@ def service_parameters(
         try:
             values[name] = value_of(value)
         except ValueError:
-            raise Misconfigured(
-                f'--set {text}: the value is not TOML; text needs quotes: {name}="..."'
-            ) from None
+            raise Misconfigured(f'--set {text}: the value is not TOML; text needs quotes: {name}="..."') from None
         source = "--set" if config is None else f"{source} or --set"
     try:
         return parameters.of(values)
@@ -129,9 +115,7 @@ def _table(path: Path, service: str) -> Mapping[str, Any]:
         raise Misconfigured(f"--config {path}: {problem.strerror}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as problem:
         raise Misconfigured(f"--config {path}: not TOML ({problem})") from None
-    unknown = [
-        key for key, value in content.items() if isinstance(value, dict) and key not in (*SERVICES, service)
-    ]
+    unknown = [key for key, value in content.items() if isinstance(value, dict) and key not in (*SERVICES, service)]
     if unknown:
         raise Misconfigured(f"--config {path}: [{unknown[0]}] is no service; there are {', '.join(SERVICES)}")
     table = content.get(service, {})

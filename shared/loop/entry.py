@@ -34,9 +34,7 @@ def _not_installed(service: str, package: str) -> str:
     extra = process_named(service).extra
     remedy = f"pip install 'tandem[{extra}]'" if extra else "install tandem with its dependencies"
     if package == "pybullet" and sys.version_info >= (3, 12):
-        remedy = (
-            f"it has no wheels above Python 3.11, and this is {sys.version_info[0]}.{sys.version_info[1]}"
-        )
+        remedy = f"it has no wheels above Python 3.11, and this is {sys.version_info[0]}.{sys.version_info[1]}"
     return f"{service}: needs {package}, which is not installed: {remedy}"
 
 

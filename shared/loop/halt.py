@@ -45,11 +45,7 @@ class SensorLatch:
         if fault.kind is FaultKind.INVALID and fault.word in SENSOR_WORDS:
             self._blamed += 1
             self._word = fault.word
-        if (
-            self._lasting >= max(LATCH_AFTER, _ROBOT_SILENT_BY)
-            and self._blamed >= _CONFIRMED_BY
-            and not self.reason
-        ):
+        if self._lasting >= max(LATCH_AFTER, _ROBOT_SILENT_BY) and self._blamed >= _CONFIRMED_BY and not self.reason:
             self.reason = (
                 f"the force sensor was {self._word} for more than {LATCH_AFTER * 1e3:.0f} ms: "
                 "latched, release with `tandem resume`"

@@ -13,11 +13,7 @@ from shared.wire.subscription import Subscription
 
 
 def health(
-    now_ns: int,
-    service: Service,
-    fault: Fault | None,
-    timing: LoopTiming,
-    subscriptions: Mapping[str, Subscription],
+    now_ns: int, service: Service, fault: Fault | None, timing: LoopTiming, subscriptions: Mapping[str, Subscription]
 ) -> Health:
     """How a service is.
 
@@ -39,9 +35,7 @@ def health(
     inputs = {}
     for key, subscription in subscriptions.items():
         # What may be missing, and what holds until it is replaced, has no fault by being silent.
-        judged = key in required or (
-            subscription.latest is not None and subscription.topic.max_age < math.inf
-        )
+        judged = key in required or (subscription.latest is not None and subscription.topic.max_age < math.inf)
         inputs[key] = InputHealth(
             age=subscription.age(now_ns),
             hz=subscription.rate(now_ns),

@@ -38,9 +38,7 @@ class StopRequest:
         self.requested = True
 
 
-def run(
-    make: Callable[[P], Service], parameters: type[P], name: str, arguments: Sequence[str] | None = None
-) -> int:
+def run(make: Callable[[P], Service], parameters: type[P], name: str, arguments: Sequence[str] | None = None) -> int:
     """Run a service until SIGTERM or SIGINT.
 
     Returns:

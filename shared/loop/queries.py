@@ -67,11 +67,7 @@ class QueryDesk:
         except (Refused, Rejected, InvalidField) as problem:
             reply(_refused(str(problem)))
         except _MALFORMED as problem:
-            reply(
-                _refused(
-                    f"{query.key} cannot make sense of the request ({type(problem).__name__}: {problem})"
-                )
-            )
+            reply(_refused(f"{query.key} cannot make sense of the request ({type(problem).__name__}: {problem})"))
         if not self._waiting.empty():
             self._wake()
 

@@ -76,9 +76,7 @@ class BaseLimits:
         asked = [way for way in ways if way.share > ASKED]
         together = self.together.get("".join(way.axis for way in asked), 1.0)
         excess = max(way.share for way in ways) / together
-        over = [
-            f"{way.name} over {way.limit:g} {way.unit}" for way in ways if way.closed or way.share > _WHOLE
-        ]
+        over = [f"{way.name} over {way.limit:g} {way.unit}" for way in ways if way.closed or way.share > _WHOLE]
         if excess > _WHOLE and together < 1.0:
             over = [f"{' and '.join(way.name for way in asked)} together over {together:g} of their limits"]
         able = np.array([0.0 if way.closed else way.speed for way in ways])
@@ -161,9 +159,7 @@ class BaseGate:
         wanted = np.zeros(3) if self._stopped else self._wanted
         change = wanted - self._executed
         x, y, turn = change.tolist()
-        needed = max(
-            math.hypot(x, y) / self.limits.acceleration, abs(turn) / self.limits.angular_acceleration
-        )
+        needed = max(math.hypot(x, y) / self.limits.acceleration, abs(turn) / self.limits.angular_acceleration)
         self._executed = self._executed + change * (dt / needed) if needed > dt else wanted
         # Most of the time a base stands still, and this is asked in every physics step.
         waiting = self._left > INSTANT or self._silent < SILENCE

@@ -60,9 +60,7 @@ class HeldCommand(Generic[M]):
             self.stopped += 1
             return None
         asked = {name: getattr(command.message, name) for name in self._ranges}
-        able = {
-            name: min(max(asked[name], least), greatest) for name, (least, greatest) in self._ranges.items()
-        }
+        able = {name: min(max(asked[name], least), greatest) for name, (least, greatest) in self._ranges.items()}
         if able == asked:
             return command.message
         self.clamped += 1

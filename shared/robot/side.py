@@ -13,15 +13,7 @@ from shared.robot.held_command import HeldCommand, Ranges
 from shared.schema.records import Record
 from shared.service import Inputs, Output, Reading
 from shared.spatial import Array
-from shared.topics import (
-    COMMAND_BASE_TWIST,
-    COMMAND_EE_TWIST,
-    COMMAND_GRIPPER,
-    COMMAND_HEAD,
-    STATE_ROBOT,
-    STOP,
-    Topic,
-)
+from shared.topics import COMMAND_BASE_TWIST, COMMAND_EE_TWIST, COMMAND_GRIPPER, COMMAND_HEAD, STATE_ROBOT, STOP, Topic
 
 M = TypeVar("M", bound=Record)
 
@@ -83,13 +75,7 @@ class RobotSide:
     INPUTS: tuple[Topic, ...] = (COMMAND_EE_TWIST, COMMAND_BASE_TWIST, COMMAND_GRIPPER, COMMAND_HEAD, STOP)
 
     def __init__(
-        self,
-        limits: GateLimits,
-        base_type: str,
-        simulated: bool,
-        base: BaseLimits,
-        gripper: Ranges,
-        head: Ranges,
+        self, limits: GateLimits, base_type: str, simulated: bool, base: BaseLimits, gripper: Ranges, head: Ranges
     ) -> None:
         self.gate = Gate(limits)
         self.base_gate = BaseGate(base)
@@ -165,8 +151,7 @@ class RobotSide:
         self._until_report -= dt
         mode = self.mode
         news = (
-            self.gate.held != self._told_held
-            and self._until_report <= 1.0 / STATE_ROBOT.rate - HOLDING_AFTER + INSTANT
+            self.gate.held != self._told_held and self._until_report <= 1.0 / STATE_ROBOT.rate - HOLDING_AFTER + INSTANT
         )
         if mode == self._told and not news and self._until_report > INSTANT:
             return []
@@ -198,9 +183,7 @@ class RobotSide:
         self._told, self._told_held = mode, self.gate.held
         # Late by less than a period it keeps its rate, by more it does not catch up.
         period = 1.0 / STATE_ROBOT.rate
-        self._until_report = (
-            self._until_report + period if -period < self._until_report <= INSTANT else period
-        )
+        self._until_report = self._until_report + period if -period < self._until_report <= INSTANT else period
         limits = self.gate.limits
         status = RobotStatus(
             mode=mode,

@@ -58,16 +58,13 @@ _, FINGER_TRAVEL, FINGER_SPEED, FINGER_EFFORT = JOINTS[FINGERS[0]]
 GRIPPER_RANGES: Ranges = {"opening": (0.0, 2.0 * FINGER_TRAVEL), "effort": (0.0, FINGER_EFFORT)}
 """Ranges of a gripper command [m, N]."""
 HEAD_RANGES: Ranges = {
-    word: (JOINTS[joint].lower, JOINTS[joint].upper)
-    for word, joint in zip(("pan", "tilt"), HEAD, strict=True)
+    word: (JOINTS[joint].lower, JOINTS[joint].upper) for word, joint in zip(("pan", "tilt"), HEAD, strict=True)
 }
 """Ranges of a head command [rad]."""
 
 BASES = {
     "differential": BaseLimits(1.0, 0.2, 0.0, 2.09, 1.0, 2.09),
-    "omni": BaseLimits(
-        1.0, 1.0, 1.0, math.radians(80.0), 1.0, 2.09, {"xy": 0.7, "xz": 0.5, "yz": 0.5, "xyz": 0.4}
-    ),
+    "omni": BaseLimits(1.0, 1.0, 1.0, math.radians(80.0), 1.0, 2.09, {"xy": 0.7, "xz": 0.5, "yz": 0.5, "xyz": 0.4}),
 }
 """Limits of the two bases that a TIAGo may have, by their type."""
 

@@ -40,9 +40,7 @@ def _finite(value: object, name: str) -> float:
     return value
 
 
-def _bounded(
-    number: type, above: float = -math.inf, minimum: float = -math.inf, maximum: float = math.inf
-) -> Any:
+def _bounded(number: type, above: float = -math.inf, minimum: float = -math.inf, maximum: float = math.inf) -> Any:
     """The type of a number within bounds, for a decoder."""
     given = {"gt": above, "ge": minimum, "le": maximum}
     if above > -math.inf:  # a decoder takes one lower bound: the stricter one
@@ -124,11 +122,7 @@ class Vector(Kind):
     def wire(self) -> Any:
         element = _bounded(float, self.above, self.minimum, self.maximum)
         # Written so because the number of elements is known at run time only.
-        return (
-            list.__class_getitem__(element)
-            if self.size is None
-            else tuple.__class_getitem__((element,) * self.size)
-        )
+        return list.__class_getitem__(element) if self.size is None else tuple.__class_getitem__((element,) * self.size)
 
     @property
     def any_finite(self) -> bool:

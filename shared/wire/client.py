@@ -27,17 +27,13 @@ class Client:
         self.publisher = Publisher(bus, self.clock)
         self.publish = self.publisher.publish
 
-    def watch(
-        self, topic: Topic[M], on_message: Callable[[Received[M]], None] | None = None
-    ) -> Subscription[M]:
+    def watch(self, topic: Topic[M], on_message: Callable[[Received[M]], None] | None = None) -> Subscription[M]:
         """Subscribe; ``on_message`` is called from a thread of the bus and has to return at once."""
         subscription = Subscription(topic, self.clock, on_message)
         self.bus.subscribe(topic.key, subscription.offer)
         return subscription
 
-    def ask(
-        self, query: Query, request: dict[str, Any] | None = None, timeout: float = 3.0
-    ) -> dict[str, Any]:
+    def ask(self, query: Query, request: dict[str, Any] | None = None, timeout: float = 3.0) -> dict[str, Any]:
         """Ask a query and return the reply, of which every field is there and of its kind.
 
         Raises:
@@ -52,9 +48,7 @@ class Client:
         if answer.get("ok") is not True:
             reason = answer.get("error", f"{query.key} refused without a reason")
             # Whoever serves it: one line, of bounded length.
-            raise Refused(
-                " ".join(reason.split())[:LONGEST_REASON] if isinstance(reason, str) else shown(reason)
-            )
+            raise Refused(" ".join(reason.split())[:LONGEST_REASON] if isinstance(reason, str) else shown(reason))
         try:
             query.reply(asked, answer)
         except InvalidField as problem:

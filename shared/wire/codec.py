@@ -112,13 +112,7 @@ def decode_map(payload: bytes, cap: int = MAP_CAP) -> dict[str, Any]:
         raise Rejected(_too_large(payload, cap))
     try:
         data = msgpack.unpackb(payload)
-    except (
-        ValueError,
-        msgpack.exceptions.UnpackException,
-        OverflowError,
-        RecursionError,
-        TypeError,
-    ) as problem:
+    except (ValueError, msgpack.exceptions.UnpackException, OverflowError, RecursionError, TypeError) as problem:
         raise Rejected(f"not MessagePack ({type(problem).__name__})") from None
     if not isinstance(data, dict) or not set(map(type, data)) <= _TEXT_ONLY:
         raise Rejected(f"{type(data).__name__}, wanted a map with text keys")

@@ -37,6 +37,4 @@ class Publisher:
             sequence = self._next.get(topic.key, 0)
             self._next[topic.key] = sequence + 1
         stamp = self._clock.now_ns() if stamp is None else stamp
-        self._bus.publish(
-            topic.key, Payload.of(message, Header.trusted(sequence, self.session, stamp, bool(valid)))
-        )
+        self._bus.publish(topic.key, Payload.of(message, Header.trusted(sequence, self.session, stamp, bool(valid))))

@@ -57,9 +57,7 @@ class Subscription(Generic[M]):
         on_message: called with each accepted message, from the thread that offered it.
     """
 
-    def __init__(
-        self, topic: Topic[M], clock: Clock, on_message: Callable[[Received[M]], None] | None = None
-    ) -> None:
+    def __init__(self, topic: Topic[M], clock: Clock, on_message: Callable[[Received[M]], None] | None = None) -> None:
         self.topic = topic
         self._clock = clock
         self._on_message = on_message
@@ -89,9 +87,7 @@ class Subscription(Generic[M]):
     @property
     def age_limit(self) -> float:
         """Age [s] above which the last message is not used."""
-        return max(
-            self.topic.max_age, PERIODS_TO_SILENCE * min(self._period or SLOWEST_PERIOD, SLOWEST_PERIOD)
-        )
+        return max(self.topic.max_age, PERIODS_TO_SILENCE * min(self._period or SLOWEST_PERIOD, SLOWEST_PERIOD))
 
     def offer(self, payload: bytes) -> None:
         """Take in a payload as it arrived; a bad one is counted and changes nothing else."""
@@ -116,9 +112,7 @@ class Subscription(Generic[M]):
                 self.second_session += 1
                 return None
             previous = None
-        if previous is not None and (
-            header.seq <= previous.header.seq or header.stamp < previous.header.stamp
-        ):
+        if previous is not None and (header.seq <= previous.header.seq or header.stamp < previous.header.stamp):
             self.out_of_order += 1
             if not self._counts_anew(header, previous, arrival):
                 return None

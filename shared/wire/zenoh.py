@@ -73,9 +73,7 @@ def open_router(listen: str, config_file: Path | None = None) -> zenoh.Session:
         try:
             config = zenoh.Config.from_file(str(config_file))
         except zenoh.ZError as problem:
-            raise BusError(
-                f"--config {config_file}: not a Zenoh configuration ({_first_line(problem)})"
-            ) from None
+            raise BusError(f"--config {config_file}: not a Zenoh configuration ({_first_line(problem)})") from None
     else:
         check_endpoint("--listen", listen)
         config = _config(_settings("router") | {"listen/endpoints": [listen], "listen/exit_on_failure": True})
@@ -152,10 +150,7 @@ class ZenohBus:
     """
 
     def __init__(
-        self,
-        robot: str = "tiago",
-        connect: str = DEFAULT_ENDPOINT,
-        give_up: Callable[[], bool] = lambda: False,
+        self, robot: str = "tiago", connect: str = DEFAULT_ENDPOINT, give_up: Callable[[], bool] = lambda: False
     ) -> None:
         _prepare()
         check_endpoint("--connect", connect)
@@ -181,9 +176,7 @@ class ZenohBus:
                 if "Unable to connect" not in str(problem):
                     raise BusError(f"--connect {connect}: {_first_line(problem)}") from None
             if give_up():
-                raise BusError(
-                    f"no router at {connect}. Start one with `tandem up` or `python -m services.router`"
-                )
+                raise BusError(f"no router at {connect}. Start one with `tandem up` or `python -m services.router`")
 
     def _full(self, key: str) -> str:
         return f"{self._robot}/{key}"

@@ -91,9 +91,7 @@ def torn_out(lost: int = 60, let_go: int = 50, warned: int = 20, ends_held: bool
     changes = {"gripped": (lost, False), "held": (let_go, False), "lowest": (lost, 0.3)}
     seen = carried(**{name: ("carrying", begin, value) for name, (begin, value) in changes.items()})
     seen["warned"][np.flatnonzero(seen["state"] == "carrying")[warned : warned + 5]] = True
-    seen = {
-        name: values[np.isin(seen["state"], ("calibrating", "carrying"))] for name, values in seen.items()
-    }
+    seen = {name: values[np.isin(seen["state"], ("calibrating", "carrying"))] for name, values in seen.items()}
     return judge(seen, LIMITS, "holding", "lost", told=(), ends_held=ends_held)
 
 

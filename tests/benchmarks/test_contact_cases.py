@@ -37,9 +37,7 @@ def test_cases_are_within_what_they_declare(group: str) -> None:
                 assert contact.law.friction <= case.declared.contact_friction
         assert np.all(case.limit > 3.0 * case.error_bound)
         timing = case.timing
-        assert (
-            timing.period * (1 + timing.jitter) + timing.delay[1] - timing.delay[0] <= timing.declared_period
-        )
+        assert timing.period * (1 + timing.jitter) + timing.delay[1] - timing.delay[0] <= timing.declared_period
         assert timing.delay[1] + timing.latency <= timing.declared_delay
         assert case.at_rest == (GROUPS[group].speed == 0.0)
 
@@ -121,14 +119,9 @@ def test_the_papers_law_breaks_a_limit_in_a_stiff_contact() -> None:
 def test_a_bound_that_is_too_small_is_found_out() -> None:
     """The benchmark must be able to fail: the same wall, declared twenty times too soft."""
     case = replace(
-        scripted.wall("slide", scripted.WALL_STIFFNESS),
-        timing=scripted.timing(0.01, 0.02),
-        duration=1.5,
-        quiet=1.0,
+        scripted.wall("slide", scripted.WALL_STIFFNESS), timing=scripted.timing(0.01, 0.02), duration=1.5, quiet=1.0
     )
-    too_soft = replace(
-        case, declared=replace(case.declared, contact_stiffness=scripted.WALL_STIFFNESS / 20.0)
-    )
+    too_soft = replace(case, declared=replace(case.declared, contact_stiffness=scripted.WALL_STIFFNESS / 20.0))
     assert simulate(make_law("certified", case)).peak <= OVER
     assert simulate(make_law("certified", too_soft)).peak > OVER
 

@@ -22,9 +22,7 @@ def smooth_path(seed: int, samples: int, closed: bool) -> tuple[Array, Array, Ar
     rng = np.random.default_rng(seed)
     time = np.linspace(0.0, 1.0, samples + 1)
     waves = rng.normal(size=(3, 6)) * 0.02
-    shape = np.stack(
-        [np.sin(2 * np.pi * n * time) if closed else np.sin(n * time) for n in (1, 2, 3)], axis=1
-    )
+    shape = np.stack([np.sin(2 * np.pi * n * time) if closed else np.sin(n * time) for n in (1, 2, 3)], axis=1)
     offsets = shape @ waves
     positions = START[0] + offsets[:, :3]
     rotations = np.array([rotation_from_vector(4.0 * vector) @ START[1] for vector in offsets[:, 3:]])
@@ -42,9 +40,7 @@ def random_contacts(seed: int, friction: float) -> tuple[Contact, ...]:
         point = arm if carried else START[0] + START[1] @ arm
         here = START[0] + START[1] @ arm if carried else arm
         root = rng.normal(size=(3, 3))
-        contacts.append(
-            Contact(point, carried, Spring(root @ root.T * 100.0, here + rng.normal(size=3) * 0.01))
-        )
+        contacts.append(Contact(point, carried, Spring(root @ root.T * 100.0, here + rng.normal(size=3) * 0.01)))
         normal = rng.normal(size=3)
         normal /= np.linalg.norm(normal)
         surface = Surface(normal, here + normal * 0.01, 800.0, 500.0, friction)
@@ -95,9 +91,7 @@ def test_both_kinds_of_contact_agree_while_nothing_turns() -> None:
     fixed = Contact(here, False, Surface(rotation.T @ -normal, arm, 500.0))
     path = position + np.linspace(0.0, 0.02, 20)[:, None] * np.array((0.3, -0.4, -0.6))
     still = np.tile(rotation, (20, 1, 1))
-    wrenches = [
-        World((c,), position, rotation).advance(path, still, np.zeros((20, 3))) for c in (carried, fixed)
-    ]
+    wrenches = [World((c,), position, rotation).advance(path, still, np.zeros((20, 3))) for c in (carried, fixed)]
     assert np.abs(wrenches[0]).max() > 1.0
     np.testing.assert_allclose(wrenches[0][:, :3], wrenches[1][:, :3], atol=1e-9)
     # The environment's point stays behind while the tool moves on: the arm differs by the motion.
@@ -111,9 +105,7 @@ def test_wrench_transports_to_another_origin() -> None:
     wrench = World(contacts, position, rotation).advance(position[None], rotation[None], np.zeros((1, 3)))[0]
     offset = rotation @ np.array((0.2, -0.1, 0.4))
     shift = rotation.T @ offset
-    moved = tuple(
-        Contact(c.point - shift if c.carried else c.point, c.carried, _relative(c, shift)) for c in contacts
-    )
+    moved = tuple(Contact(c.point - shift if c.carried else c.point, c.carried, _relative(c, shift)) for c in contacts)
     other = World(moved, position + offset, rotation)
     elsewhere = other.advance((position + offset)[None], rotation[None], np.zeros((1, 3)))[0]
     np.testing.assert_allclose(wrench_about(wrench, -offset), elsewhere, atol=1e-9)
@@ -124,11 +116,7 @@ def _relative(contact: Contact, offset: Array) -> Spring | Surface:
     law = contact.law
     if contact.carried:
         return law
-    return (
-        replace(law, rest=law.rest - offset)
-        if isinstance(law, Spring)
-        else replace(law, origin=law.origin - offset)
-    )
+    return replace(law, rest=law.rest - offset) if isinstance(law, Spring) else replace(law, origin=law.origin - offset)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -169,9 +157,7 @@ def test_one_sided_surface_only_pushes_and_moving_environment_counts() -> None:
     above = np.tile((0.0, 0.0, 0.01), (5, 1))
     assert np.all(world.advance(above, turned, still) == 0.0)
     lifted = np.linspace(0.0, 0.02, 5)[:, None] * np.array((0.0, 0.0, 1.0))
-    np.testing.assert_allclose(
-        world.advance(above, turned, lifted)[:, 2], [0.0, 0.0, 0.0, 5.0, 10.0], atol=1e-9
-    )
+    np.testing.assert_allclose(world.advance(above, turned, lifted)[:, 2], [0.0, 0.0, 0.0, 5.0, 10.0], atol=1e-9)
 
 
 @pytest.mark.parametrize("lag", [0.0, 0.02])
@@ -185,9 +171,7 @@ def test_robot_travels_what_was_commanded_and_no_more(lag: float) -> None:
     assert np.all(np.diff(path.positions[:, 0]) >= 0.0), "a lag never overshoots"
     before = path.positions[path.times <= 0.01 + 1e-12]
     assert np.all(before == 0.0), "nothing acts before its delay"
-    np.testing.assert_allclose(
-        robot.travelled, (np.linalg.norm(twist[:3]) * 0.03, np.linalg.norm(twist[3:]) * 0.03)
-    )
+    np.testing.assert_allclose(robot.travelled, (np.linalg.norm(twist[:3]) * 0.03, np.linalg.norm(twist[3:]) * 0.03))
 
 
 def test_robot_composes_rotations_in_their_order() -> None:

@@ -13,10 +13,7 @@ from tests.contract.robot import Commander, Robot, RobotProcess, lives_through
 ROBOTS = {
     "sim": RobotProcess("services.sim"),
     "mock": RobotProcess(
-        "services.mock",
-        with_a_kilogram=("--set", "wrench=[0.0, 0.0, -9.81, 0.0, 0.0, 0.0]"),
-        camera=False,
-        world=False,
+        "services.mock", with_a_kilogram=("--set", "wrench=[0.0, 0.0, -9.81, 0.0, 0.0, 0.0]"), camera=False, world=False
     ),
 }
 
@@ -27,9 +24,7 @@ def kind(request: pytest.FixtureRequest) -> RobotProcess:
 
 
 @pytest.fixture(scope="module")
-def robot(
-    kind: RobotProcess, shared_router: Router, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Robot]:
+def robot(kind: RobotProcess, shared_router: Router, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     """One process for all tests of a file: it has to live through all of them."""
     with _processes(tmp_path_factory.mktemp("robot")) as start_process:
         robot = Robot(shared_router.endpoint)

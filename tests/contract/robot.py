@@ -16,11 +16,7 @@ import msgpack
 import numpy as np
 import zenoh
 
-from shared.messages import (
-    Header,
-    Stop,
-    TwistCommand,
-)
+from shared.messages import Header, Stop, TwistCommand
 from shared.schema.records import Record
 from shared.spatial import Array, rotation_matrix
 from shared.topics import (
@@ -140,9 +136,7 @@ class Robot(Network):
         self.heard: dict[str, deque[Heard]] = {}
         self.rejected: list[str] = []
         keys = [topic.key for topic in TOPICS if topic is not SENSOR_CAMERA] + ["health/*"]
-        self._subscribers = [
-            self.session.declare_subscriber(f"{name}/{key}", self._on_sample) for key in keys
-        ]
+        self._subscribers = [self.session.declare_subscriber(f"{name}/{key}", self._on_sample) for key in keys]
 
     @contextmanager
     def listening(self, key: str) -> Iterator[deque[zenoh.Sample]]:
@@ -178,9 +172,7 @@ class Robot(Network):
 
     def started(self) -> Robot:
         eventually(
-            lambda: {"state/ee", "state/base", "state/robot", "sensor/ft"} <= set(self.heard),
-            PATIENCE,
-            "it speaks",
+            lambda: {"state/ee", "state/base", "state/robot", "sensor/ft"} <= set(self.heard), PATIENCE, "it speaks"
         )
         return self
 

@@ -33,12 +33,7 @@ def test_the_tool_moves_as_commanded(robot: Robot, commander: Commander, axis: i
     robot.rests()
     start, turned = robot.tool.position, robot.rotation
     before = robot.heard[STATE_EE.key][-1].header.seq
-    robot.follow(
-        commander,
-        along(axis, sign * SPEED),
-        ZERO,
-        lambda: sign * (robot.tool.position - start)[axis] > 0.03,
-    )
+    robot.follow(commander, along(axis, sign * SPEED), ZERO, lambda: sign * (robot.tool.position - start)[axis] > 0.03)
     moved = robot.tool.position - start
     assert np.linalg.norm(np.delete(moved, axis)) < 0.1 * np.linalg.norm(moved)
     assert np.linalg.norm(rotation_vector(robot.rotation @ turned.T)) < 0.02

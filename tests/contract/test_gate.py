@@ -169,9 +169,7 @@ def test_of_two_publishers_the_second_is_refused_and_named(
 
 
 @tool
-def test_what_is_out_of_sequence_is_not_executed_and_named(
-    robot: Robot, commander: Commander, part: Part
-) -> None:
+def test_what_is_out_of_sequence_is_not_executed_and_named(robot: Robot, commander: Commander, part: Part) -> None:
     robot.rests()
     refused = robot.counted("out of sequence")
     turn = iter(range(10**9))

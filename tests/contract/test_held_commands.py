@@ -52,15 +52,11 @@ def test_a_gripper_command_of_long_ago_is_refused_and_told(robot: Robot, command
     refused = robot.counted("gripper commands refused as older")
     opening = robot.gripper.opening
     send(0.05)
-    eventually(
-        lambda: robot.counted("gripper commands refused as older") > refused, PATIENCE, "so is the next"
-    )
+    eventually(lambda: robot.counted("gripper commands refused as older") > refused, PATIENCE, "so is the next")
     throughout(lambda: robot.gripper.opening <= opening, 0.5, "the fingers stay")
 
 
-def test_what_the_gripper_is_asked_while_stopped_is_refused_for_good(
-    robot: Robot, commander: Commander
-) -> None:
+def test_what_the_gripper_is_asked_while_stopped_is_refused_for_good(robot: Robot, commander: Commander) -> None:
     refused = robot.counted("gripper commands refused while stopped")
     opening = robot.gripper.opening
     wanted = 0.05 if opening < 0.025 else 0.0

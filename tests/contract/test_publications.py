@@ -62,9 +62,7 @@ def test_every_message_is_one_of_the_contract(robot: Robot) -> None:
     }
 
 
-def test_the_camera_delivers_while_somebody_subscribes_and_only_then(
-    robot: Robot, kind: RobotProcess
-) -> None:
+def test_the_camera_delivers_while_somebody_subscribes_and_only_then(robot: Robot, kind: RobotProcess) -> None:
     if not kind.camera:
         pytest.skip("it has no camera")
 
@@ -79,9 +77,7 @@ def test_the_camera_delivers_while_somebody_subscribes_and_only_then(
     assert Image.open(io.BytesIO(image.data)).size == (image.width, image.height)
     # Whether it goes on where nobody hears it, the numbers tell that it has used up meanwhile.
     told = robot.all(STATE_BASE)[-1].header.seq
-    eventually(
-        lambda: robot.all(STATE_BASE)[-1].header.seq > told + 100, PATIENCE, "two seconds of something else"
-    )
+    eventually(lambda: robot.all(STATE_BASE)[-1].header.seq > told + 100, PATIENCE, "two seconds of something else")
     assert pictures(1)[0][0].seq < header.seq + 10
 
 
@@ -107,11 +103,9 @@ def test_headers_count_and_tell_the_time(robot: Robot, topic: Topic) -> None:
 
 @topics
 def test_rates(robot: Robot, topic: Topic) -> None:
-    slowest, fastest = {
-        SENSOR_FT: (30.0, 1000.0),
-        STATE_JOINTS: (50.0, 1000.0),
-        STATE_EE: (50.0, 1000.0),
-    }.get(topic, (topic.rate, topic.rate))
+    slowest, fastest = {SENSOR_FT: (30.0, 1000.0), STATE_JOINTS: (50.0, 1000.0), STATE_EE: (50.0, 1000.0)}.get(
+        topic, (topic.rate, topic.rate)
+    )
     # On a busy machine not every second is as it should be, but some are.
     wanted = max(10, round(slowest))
 

@@ -148,9 +148,7 @@ class Chain(StandIn):
     def works(self, what: str = "the tool is commanded to move") -> None:
         """Wait until the tool moves, and keeps moving for a while."""
         count = len(self.watch.commands)
-        eventually(
-            lambda: self.watch.moved_since(count) >= 15, PATIENCE, lambda: f"{what} ({self.watch.reason})"
-        )
+        eventually(lambda: self.watch.moved_since(count) >= 15, PATIENCE, lambda: f"{what} ({self.watch.reason})")
 
     def brakes(self, what: str = "the controller brakes") -> None:
         eventually(self.watch.stopped, PATIENCE, lambda: f"{what} ({self.watch.reason})")

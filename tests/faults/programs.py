@@ -223,9 +223,7 @@ def jumping_sequence(key: str, payload: bytes) -> Iterable[bytes]:
 def flood(key: str, payload: bytes) -> Iterable[bytes]:
     """Three hundred messages in place of one: 9 kHz on every topic of the robot, each of them new."""
     stamp = msgpack.unpackb(payload)["stamp"]
-    return tuple(
-        altered(payload, seq=10**9 + next(turn), stamp=stamp + step * 100_000) for step in range(300)
-    )
+    return tuple(altered(payload, seq=10**9 + next(turn), stamp=stamp + step * 100_000) for step in range(300))
 
 
 def tared(client: Client) -> bool:

@@ -23,9 +23,7 @@ def launch(start: StartProcess, tmp_path: Path) -> Launch:
 
 def _launch(start: StartProcess, subject: Subject, endpoint: str, folder: Path) -> Process:
     return start(
-        subject.process.module,
-        *subject.arguments(endpoint, str(folder)),
-        environment={"XDG_STATE_HOME": str(folder)},
+        subject.process.module, *subject.arguments(endpoint, str(folder)), environment={"XDG_STATE_HOME": str(folder)}
     )
 
 

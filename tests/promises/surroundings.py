@@ -42,9 +42,7 @@ class Surroundings(StandIn):
         super().__init__(endpoint, subject.name)
         self.subject = subject
         self.plays = subject.world(self)
-        self.heard: dict[str, list[Received[Any]]] = {
-            topic.key: self.hear(topic) for topic in subject.outputs
-        }
+        self.heard: dict[str, list[Received[Any]]] = {topic.key: self.hear(topic) for topic in subject.outputs}
         self.missed: dict[str, int] = {}
         self._other = ZenohBus(connect=endpoint)
 
@@ -110,9 +108,7 @@ class Surroundings(StandIn):
 
     def names(self, *parts: str) -> None:
         """Wait until it says all of these."""
-        eventually(
-            lambda: all(part in self.words for part in parts), PATIENCE, lambda: f"{parts} in: {self.words}"
-        )
+        eventually(lambda: all(part in self.words for part in parts), PATIENCE, lambda: f"{parts} in: {self.words}")
 
     @property
     def report(self) -> Health:
@@ -138,15 +134,12 @@ class Surroundings(StandIn):
                     time.sleep(_PACE)
             after = self.next_report().inputs
             missed = {
-                key: len(spoilt) - (after[key].rejected - before[key].rejected)
-                for key, spoilt in payloads.items()
+                key: len(spoilt) - (after[key].rejected - before[key].rejected) for key, spoilt in payloads.items()
             }
             self.missed = {key: count for key, count in missed.items() if count}
             return not self.missed
 
-        eventually(
-            counted, PATIENCE, lambda: f"every spoilt payload counted, and no more; {self.missed} were not"
-        )
+        eventually(counted, PATIENCE, lambda: f"every spoilt payload counted, and no more; {self.missed} were not")
 
     def answer(self, key: str, request: bytes) -> dict[str, Any]:
         """What a query is answered, whatever was asked."""
@@ -163,9 +156,5 @@ class Surroundings(StandIn):
         """Nothing was ever said that is not sound."""
         for topic, sound in self.subject.sound.items():
             said = [received.message for received in tuple(self.heard[topic.key])]
-            wrong = [
-                message
-                for before, message in itertools.pairwise((said[0], *said))
-                if not sound(message, before)
-            ]
+            wrong = [message for before, message in itertools.pairwise((said[0], *said)) if not sound(message, before)]
             assert not wrong, f"{topic.key}: {wrong[0]}"

@@ -93,9 +93,7 @@ def test_says_what_is_missing_in_whatever_order_it_comes_and_ends_with_a_last_wo
 
 
 @working
-def test_comes_after_its_router_and_comes_back_with_it(
-    subject: Subject, launch: Launch, start: StartProcess
-) -> None:
+def test_comes_after_its_router_and_comes_back_with_it(subject: Subject, launch: Launch, start: StartProcess) -> None:
     endpoint = free_endpoint()
     process = launch(subject, endpoint)
     process.wait_for_output(f"waiting for a Zenoh router at {endpoint}")
@@ -111,9 +109,7 @@ def test_comes_after_its_router_and_comes_back_with_it(
 
 
 @working
-def test_killed_and_started_again_it_goes_on_from_rest(
-    subject: Subject, launch: Launch, shared_router: Router
-) -> None:
+def test_killed_and_started_again_it_goes_on_from_rest(subject: Subject, launch: Launch, shared_router: Router) -> None:
     with Surroundings(shared_router.endpoint, subject) as around:
         first = launch(subject, shared_router.endpoint)
         around.begun()

@@ -58,9 +58,7 @@ def test_an_optional_input_in_every_way_spoilt_changes_nothing(around: Surroundi
 
 @REQUIRED
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_required_input_that_fails_brakes_in_time_and_recovers(
-    around: Surroundings, topic: Topic, kind: str
-) -> None:
+def test_a_required_input_that_fails_brakes_in_time_and_recovers(around: Surroundings, topic: Topic, kind: str) -> None:
     output = around.subject.output
     assert output is not None
     refused, said = around.refused(topic.key), around.heard[output.key]
@@ -113,9 +111,7 @@ def test_a_second_session_of_any_input_is_refused_and_counted(around: Surroundin
 def test_a_stop_lasts_until_a_valid_release(around: Surroundings) -> None:
     around.client.publish(STOP, Stop(True, "hand in the way"))
     output = around.subject.output
-    eventually(
-        lambda: around.subject.rests(around.said(output)), PATIENCE, lambda: f"at rest: {around.words}"
-    )
+    eventually(lambda: around.subject.rests(around.said(output)), PATIENCE, lambda: f"at rest: {around.words}")
     around.names("hand in the way")
     around.client.publish(STOP, Stop(False, "nobody"), valid=False)
     throughout(lambda: not around.works(), 0.5, "it stays stopped")

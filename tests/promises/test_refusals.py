@@ -59,10 +59,7 @@ OPTIONS: dict[str, dict[tuple[str, ...], tuple[str, ...]]] = {
     },
     **{
         name: {
-            ("--set", "none=1"): (
-                "--set: none is no parameter; there are ",
-                next(iter(parameters(name).table())),
-            ),
+            ("--set", "none=1"): ("--set: none is no parameter; there are ", next(iter(parameters(name).table()))),
             ("--set", "none"): ("--set none", "wanted"),
             ("--set", "none="): ("--set none=", "not TOML"),
             ("--robot", "two/chunks"): ("--robot 'two/chunks'", "letters, digits"),
@@ -87,9 +84,7 @@ def refused(name: str, arguments: tuple[str, ...], says: tuple[str, ...], capfd)
 
 
 @pytest.mark.parametrize(
-    ("name", "arguments"),
-    [(name, arguments) for name, wrong in OPTIONS.items() for arguments in wrong],
-    ids=str,
+    ("name", "arguments"), [(name, arguments) for name, wrong in OPTIONS.items() for arguments in wrong], ids=str
 )
 def test_one_line_with_status_2(name: str, arguments: tuple[str, ...], capfd) -> None:
     refused(name, arguments, OPTIONS[name][arguments], capfd)

@@ -13,9 +13,7 @@ from tests.promises.worlds import STRANGE
 
 @pytest.mark.parametrize("name", [process.name for process in PROCESSES])
 def test_every_process_has_an_entry(name: str) -> None:
-    assert name in BY_NAME, (
-        f"{name} keeps no promise that anybody tests: add it to tests/promises/subjects.py"
-    )
+    assert name in BY_NAME, f"{name} keeps no promise that anybody tests: add it to tests/promises/subjects.py"
 
 
 def test_there_is_no_other_and_none_twice() -> None:

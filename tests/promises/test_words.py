@@ -9,14 +9,7 @@ import msgpack
 import pytest
 
 from shared.parameters import Refused
-from shared.topics import (
-    PARAMETER_QUERIES,
-    SIM_COMMAND,
-    TASK_COMMAND,
-    WRENCH_IDENTIFY,
-    WRENCH_TARE,
-    Query,
-)
+from shared.topics import PARAMETER_QUERIES, SIM_COMMAND, TASK_COMMAND, WRENCH_IDENTIFY, WRENCH_TARE, Query
 from tests.promises.subjects import SERVICES
 from tests.promises.surroundings import PATIENCE, Surroundings
 from tests.support.wait import eventually

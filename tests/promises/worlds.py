@@ -106,10 +106,7 @@ target = steady(
     (t.CONTROL_TARGET, m.ControlTarget((0.9, 0.0, 1.0), LEVEL, (10.0,) * 3, (3.0,) * 3), 10),
 )
 push = steady(
-    (t.STATE_EE, POSE, 1),
-    (t.WRENCH_EXTERNAL, PUSH, 1),
-    (t.STATE_ROBOT, READY, 20),
-    (t.BASE_ENABLE, m.Enable(True), 20),
+    (t.STATE_EE, POSE, 1), (t.WRENCH_EXTERNAL, PUSH, 1), (t.STATE_ROBOT, READY, 20), (t.BASE_ENABLE, m.Enable(True), 20)
 )
 restless = steady(
     # A tool that never comes to rest: no run of an experiment begins.

@@ -30,10 +30,7 @@ Expected = dict[str, list[Leaves]]
 
 def reduced(answers: Answers) -> Expected:
     """What is kept of answers."""
-    return {
-        key: [_kept(number, one, len(said)) for number, one in enumerate(said)]
-        for key, said in answers.items()
-    }
+    return {key: [_kept(number, one, len(said)) for number, one in enumerate(said)] for key, said in answers.items()}
 
 
 def _sampled(number: int, count: int) -> bool:
@@ -54,9 +51,7 @@ def _rounded(value: float) -> float:
 
 def save(path: Path, answers: Answers) -> None:
     """Write what is expected from now on."""
-    columns.write(
-        path, {key: columns.pack(rows, lambda place: None) for key, rows in reduced(answers).items()}
-    )
+    columns.write(path, {key: columns.pack(rows, lambda place: None) for key, rows in reduced(answers).items()})
 
 
 def load(path: Path) -> Expected:

@@ -60,9 +60,7 @@ class _Replay:
         # A payload's file is copied: an identification would write to it.
         for path in case.inputs.glob("payload*.toml"):
             shutil.copy(path, folder)
-        self._product = Product(
-            {name: self._placed(settings) for name, settings in case.services.items()}, folder
-        )
+        self._product = Product({name: self._placed(settings) for name, settings in case.services.items()}, folder)
 
     def answers(self) -> Answers:
         """Lets the whole case pass."""

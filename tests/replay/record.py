@@ -32,8 +32,7 @@ def record(folder: Path) -> None:
     """Write both recordings."""
     settings = carry.run("certified", "omni").settings
     run = replace(
-        carry.run("certified", "omni"),
-        settings={**settings, "sim": {**settings["sim"], "camera_rate": CAMERA_RATE}},
+        carry.run("certified", "omni"), settings={**settings, "sim": {**settings["sim"], "camera_rate": CAMERA_RATE}}
     )
     recordings.save(folder / "carry.xz", heard(CARRY, run, KEYS))
     certified = LOAD.run_named("certified-100")

@@ -8,10 +8,7 @@ from shared.clock import nanoseconds
 from shared.faults import FaultKind
 from shared.messages import ControlTarget, EndEffector, ExternalWrench, FtSample, Header
 from shared.schema.records import Record
-from shared.topics import (
-    SENSOR_FT,
-    Topic,
-)
+from shared.topics import SENSOR_FT, Topic
 from shared.wire.codec import encode
 from shared.wire.subscription import Received, Subscription
 
@@ -60,9 +57,7 @@ class Publisher:
     def stamp(self) -> int:
         return self._clock.now_ns() + self._epoch_ns
 
-    def payload(
-        self, message: Record, valid: bool = True, seq: int | None = None, stamp: int | None = None
-    ) -> bytes:
+    def payload(self, message: Record, valid: bool = True, seq: int | None = None, stamp: int | None = None) -> bytes:
         if seq is None:
             seq, self.seq = self.seq, self.seq + 1
         return encode(message, Header(seq, self.session, self.stamp() if stamp is None else stamp, valid))
@@ -74,9 +69,7 @@ DECLARED_DELAY = 0.02
 class Feed:
     """A subscription, its clock and a first publisher at 100 Hz."""
 
-    def __init__(
-        self, topic: Topic = SENSOR_FT, make: Callable[[], Record] = ft_sample, period: float = 0.01
-    ) -> None:
+    def __init__(self, topic: Topic = SENSOR_FT, make: Callable[[], Record] = ft_sample, period: float = 0.01) -> None:
         self.clock = ManualClock()
         self.received: list[Received] = []
         self.subscription = Subscription(topic, self.clock, self.received.append)

@@ -10,14 +10,7 @@ import pytest
 from shared.clock import SteadyClock, nanoseconds, seconds
 from tests.support.processes import ROOT
 
-CONTROLS = (
-    "shared",
-    "services/base",
-    "services/controller",
-    "services/router",
-    "services/sim",
-    "services/wrench",
-)
+CONTROLS = ("shared", "services/base", "services/controller", "services/router", "services/sim", "services/wrench")
 SOURCES = [path for folder in CONTROLS for path in sorted((ROOT / folder).rglob("*.py"))]
 WALL_CLOCK = {
     ("time", "time"),
@@ -36,9 +29,7 @@ def test_nothing_reads_the_wall_clock(path: Path) -> None:
     tree = ast.parse(path.read_text())
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute):
-            owner = (
-                node.value.attr if isinstance(node.value, ast.Attribute) else getattr(node.value, "id", "")
-            )
+            owner = node.value.attr if isinstance(node.value, ast.Attribute) else getattr(node.value, "id", "")
             assert (owner, node.attr) not in WALL_CLOCK, f"{path}:{node.lineno}"
         if isinstance(node, ast.ImportFrom) and node.module in ("time", "datetime"):
             imported = {(node.module, name.name) for name in node.names}

@@ -44,12 +44,7 @@ def test_the_documentation_says_what_it_does(process: Process) -> None:
 
 def test_the_options_hold_what_the_caller_chose() -> None:
     assert ROUTER.arguments("r", "tcp/127.0.0.1:1") == ["--listen", "tcp/127.0.0.1:1"]
-    assert process_named("wrench").arguments("r", "tcp/127.0.0.1:1") == [
-        "--robot",
-        "r",
-        "--connect",
-        "tcp/127.0.0.1:1",
-    ]
+    assert process_named("wrench").arguments("r", "tcp/127.0.0.1:1") == ["--robot", "r", "--connect", "tcp/127.0.0.1:1"]
     assert "there" in process_named("experiment").arguments("r", "e", "there")
 
 

@@ -46,9 +46,7 @@ def test_rotation_from_vector(theta: tuple[float, ...]) -> None:
 
 
 @settings(max_examples=300)
-@given(
-    vector, st.sampled_from((0.0, 1e-300, 1e-12, 1e-8, 1e-7, 1e-6, 1e-3, 1.0, math.pi - 1e-3, math.pi - 1e-7))
-)
+@given(vector, st.sampled_from((0.0, 1e-300, 1e-12, 1e-8, 1e-7, 1e-6, 1e-3, 1.0, math.pi - 1e-3, math.pi - 1e-7)))
 def test_rotation_vector_at_every_angle(axis: tuple[float, ...], angle: float) -> None:
     norm = math.hypot(*axis)
     theta = np.array(axis) / norm * angle if norm > 1e-3 else np.array((angle, 0.0, 0.0))

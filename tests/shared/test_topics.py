@@ -38,11 +38,7 @@ CONTRACT: dict[str, tuple[str, int | None, str]] = {
     "command/gripper": ("task", None, "opening effort"),
     "command/head": ("task", None, "pan tilt"),
     "stop": ("*", None, "engaged:bool reason:text"),
-    "wrench/external": (
-        "wrench",
-        None,
-        "force[3] torque[3] error_bound[6] compensation:none/tare/payload fault:text",
-    ),
+    "wrench/external": ("wrench", None, "force[3] torque[3] error_bound[6] compensation:none/tare/payload fault:text"),
     "control/target": (
         "task or experiment",
         None,
@@ -56,11 +52,7 @@ CONTRACT: dict[str, tuple[str, int | None, str]] = {
     ),
     "base/status": ("base", None, "state:off/following/braking wrench[3] velocity[3]"),
     "base/enable": ("task", None, "enabled:bool"),
-    "task/status": (
-        "task",
-        None,
-        f"state:text since reason:text rotation height marker?{{{POSE} age}}",
-    ),
+    "task/status": ("task", None, f"state:text since reason:text rotation height marker?{{{POSE} age}}"),
     "sim/world": (
         "robot",
         30,
@@ -153,9 +145,7 @@ def test_no_topic_of_the_contract_is_missing() -> None:
     assert {topic.key for topic in TOPICS} | {"health/wrench"} >= set(CONTRACT)
 
 
-@pytest.mark.parametrize(
-    ("key", "word"), [(key, word) for key, (_, words) in QUERYABLES.items() for word in words]
-)
+@pytest.mark.parametrize(("key", "word"), [(key, word) for key, (_, words) in QUERYABLES.items() for word in words])
 def test_a_query_is_as_the_contract_says(key: str, word: str) -> None:
     server, words = QUERYABLES[key]
     query = next(query for query in QUERIES if query.key == key)

@@ -82,9 +82,7 @@ class Process:
         try:
             return self._process.wait(timeout)
         except subprocess.TimeoutExpired:
-            raise AssertionError(
-                f"{self.module} still runs after {timeout} s; its output:\n{self.output}"
-            ) from None
+            raise AssertionError(f"{self.module} still runs after {timeout} s; its output:\n{self.output}") from None
 
     def wait_for_output(self, text: str, timeout: float = 20.0) -> None:
         """Returns once ``text`` stands in the output; fails early if the process ends without it."""
@@ -142,11 +140,7 @@ class Processes(ExitStack):
         self._numbers = itertools.count()
 
     def start(
-        self,
-        module: str,
-        *arguments: str,
-        environment: dict[str, str] | None = None,
-        python: str = sys.executable,
+        self, module: str, *arguments: str, environment: dict[str, str] | None = None, python: str = sys.executable
     ) -> Process:
         """Starts ``python -m module arguments...``."""
         output = self._folder / f"{next(self._numbers)}-{Path(module).name}.log"

@@ -104,9 +104,7 @@ class StandIn:
         lateness: greatest delay of a turn [s]; a test may set it back.
     """
 
-    def __init__(
-        self, endpoint: str, service: str, plays: Says = lambda number: (), period: float = PERIOD
-    ) -> None:
+    def __init__(self, endpoint: str, service: str, plays: Says = lambda number: (), period: float = PERIOD) -> None:
         self.bus = SpoiltBus(endpoint, self._spoilt)
         self.client = Client(self.bus)
         self.health = self.client.watch(health_topic(service))

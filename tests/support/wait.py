@@ -28,9 +28,7 @@ def eventually(condition: Callable[[], T], timeout: float = 10.0, message: str |
         if value:
             return value
         if time.monotonic() > deadline:
-            what = (
-                message() if callable(message) else message or getattr(condition, "__name__", "the condition")
-            )
+            what = message() if callable(message) else message or getattr(condition, "__name__", "the condition")
             raise AssertionError(f"not within {timeout} s: {what} (last value: {value!r})")
         time.sleep(_POLL_INTERVAL)
 

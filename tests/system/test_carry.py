@@ -26,9 +26,7 @@ def claims(*names: str) -> list[Claim]:
 
 
 def failed(found: list[Claim]) -> list[str]:
-    return [
-        f"{claim.run}, {claim.text}: {claim.figure} ({claim.limit})" for claim in found if not claim.passed
-    ]
+    return [f"{claim.run}, {claim.text}: {claim.figure} ({claim.limit})" for claim in found if not claim.passed]
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -71,14 +71,10 @@ class Watched:
         return self._gripper.latest is not None and self._gripper.latest.message.holding
 
     def says(self, *words: str) -> bool:
-        return (
-            self.process.running and self.task is not None and all(word in self.task.reason for word in words)
-        )
+        return self.process.running and self.task is not None and all(word in self.task.reason for word in words)
 
     def reaches(self, state: str) -> None:
-        eventually(
-            lambda: self.task is not None and self.task.state == state, PATIENCE, f"the task is {state}"
-        )
+        eventually(lambda: self.task is not None and self.task.state == state, PATIENCE, f"the task is {state}")
 
     def lead(self, start: np.ndarray, forwards: float) -> None:
         """Guide the hands to 15 cm above a place (3,) [m] and that far [m] forwards of it."""

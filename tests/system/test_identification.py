@@ -14,14 +14,7 @@ from services.wrench.wrench import Wrench
 from shared.loop.stack import Stack
 from shared.messages import ControlTarget, EndEffector
 from shared.spatial import quaternion_from_rpy
-from shared.topics import (
-    CONTROL_TARGET,
-    SIM_COMMAND,
-    STATE_EE,
-    WRENCH_EXTERNAL,
-    WRENCH_IDENTIFY,
-    WRENCH_TARE,
-)
+from shared.topics import CONTROL_TARGET, SIM_COMMAND, STATE_EE, WRENCH_EXTERNAL, WRENCH_IDENTIFY, WRENCH_TARE
 
 GRIPPER_MASS = 0.60266 + 2 * 0.10998
 BIAS = (1.0, -2.0, 3.0, 0.1, -0.05, 0.02)

@@ -57,9 +57,7 @@ def test_a_higher_rate_and_an_earlier_start_lower_sooner() -> None:
     assert times == sorted(times)
 
 
-def test_commands_that_are_lost_on_the_way_down_make_a_brake_and_no_swing(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_commands_that_are_lost_on_the_way_down_make_a_brake_and_no_swing(monkeypatch: pytest.MonkeyPatch) -> None:
     publish, fast = LocalBus.publish, 0
 
     def losing(bus: LocalBus, key: str, payload: bytes) -> None:

@@ -66,9 +66,7 @@ def robot_line(status: RobotStatus | None) -> tuple[str, bool]:
     if status is None:
         return "nothing heard on state/robot: is the robot process running?", False
     kind = "simulated" if status.simulated else "real"
-    line = f"{kind} robot, {status.base_type} base, {status.mode}" + (
-        f": {status.reason}" if status.reason else ""
-    )
+    line = f"{kind} robot, {status.base_type} base, {status.mode}" + (f": {status.reason}" if status.reason else "")
     if status.mode == "stopped":
         return line if "tandem resume" in line else f"{line}. Release it with: tandem resume", False
     return line, True

@@ -35,9 +35,7 @@ def services_table(rows: list[Row], processes: Mapping[str, Child]) -> Table:
         if processes:
             cells.append(_process(child))
         health = row.health
-        cells.append(
-            Text(row.state, style="green" if row.ok and row.state == "ok" else "yellow" if row.ok else "red")
-        )
+        cells.append(Text(row.state, style="green" if row.ok and row.state == "ok" else "yellow" if row.ok else "red"))
         if health is None:
             cells += [Text("")] * 4
         else:

@@ -35,11 +35,7 @@ class Child:
     """
 
     def __init__(
-        self,
-        name: str,
-        arguments: Sequence[str],
-        log: Path | None = None,
-        on_line: Callable[[str], None] | None = None,
+        self, name: str, arguments: Sequence[str], log: Path | None = None, on_line: Callable[[str], None] | None = None
     ) -> None:
         """Starts it. Its output is kept, copied to the file `log`, and handed line by line to `on_line`."""
         self.name = name

@@ -79,9 +79,7 @@ def parse_settings(settings: Sequence[str]) -> dict[str, list[str]]:
         except ValueError:
             refuse(f"--set {setting!r}: wanted SERVICE.NAME=VALUE, such as --set 'controller.law=\"paper\"'")
         if service not in STARTABLE:
-            refuse(
-                f"--set {setting!r}: {service!r} is no service of the stack; choose from {', '.join(STARTABLE)}"
-            )
+            refuse(f"--set {setting!r}: {service!r} is no service of the stack; choose from {', '.join(STARTABLE)}")
         table.setdefault(service, []).append(f"{key}={value}")
     return table
 

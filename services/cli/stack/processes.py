@@ -16,9 +16,7 @@ EARLY = 0.3  # [s] within which a router that cannot listen ends
 class StackProcesses:
     """The processes of one plan. Nothing is restarted: what ended stays ended until the user starts it again."""
 
-    def __init__(
-        self, plan: Plan, children: Children, logs: Path | None = None, with_router: bool = True
-    ) -> None:
+    def __init__(self, plan: Plan, children: Children, logs: Path | None = None, with_router: bool = True) -> None:
         """Starts the processes; their output goes to files in `logs` as well. `children` ends them."""
         self.plan = plan
         self.processes = {

@@ -233,8 +233,7 @@ def down_the_gradient(
             j
             for j in range(6)
             if j not in joined
-            and response_time * sum(bound.rows[j][i] * abs(y[i]) for i in pressed)
-            > threshold[j] - abs(wrench[j])
+            and response_time * sum(bound.rows[j][i] * abs(y[i]) for i in pressed) > threshold[j] - abs(wrench[j])
         ]
         if not turned:
             return y

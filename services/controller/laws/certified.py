@@ -38,9 +38,7 @@ class CertifiedLaw(Law):
 
     name = "certified"
 
-    def __init__(
-        self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None
-    ) -> None:
+    def __init__(self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None) -> None:
         super().__init__(parameters, timer, previous)
         T = parameters.period
         self.rounded = parameters.yield_start < 1.0

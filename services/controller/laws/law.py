@@ -118,9 +118,7 @@ class Law(ABC):
     name: str
     qp: Qp
 
-    def __init__(
-        self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None
-    ) -> None:
+    def __init__(self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None) -> None:
         self.parameters = parameters
         self.speed_box = SpeedBox(parameters)
         self.last_failure: dict[str, Any] | None = None
@@ -149,10 +147,7 @@ class Law(ABC):
         error = pose_error(state.position, state.rotation, state.target_position, state.target_rotation)
         square = float(error.dot(error))
         size = math.hypot(
-            *state.wrench.tolist(),
-            *state.limit.tolist(),
-            *state.error_bound.tolist(),
-            *state.nominal.tolist(),
+            *state.wrench.tolist(), *state.limit.tolist(), *state.error_bound.tolist(), *state.nominal.tolist()
         )
         if not size + square < _ABSURD:  # nor if it is not a number
             return self._finish(LawOutput(self._rest, failure="an input is not finite"))

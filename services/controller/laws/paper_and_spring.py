@@ -17,9 +17,7 @@ _GAMMA = 6
 class BoxLaw(Law):
     """``minimise |v|^2 + k gamma`` in the 7 variables v, gamma, with ``l <= v <= u``."""
 
-    def __init__(
-        self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None
-    ) -> None:
+    def __init__(self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None) -> None:
         super().__init__(parameters, timer, previous)
         self.qp = Qp(np.array([1.0] * 6 + [0.0]), 1, timer, parameters.period)
         self.qp.upper[_GAMMA] = UNBOUNDED

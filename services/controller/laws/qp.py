@@ -55,9 +55,7 @@ class Qp:
         time_limit: [s] after which an answer is too old to be used.
     """
 
-    def __init__(
-        self, weight: Array, rows: int, timer: Timer = no_timer, time_limit: float = math.inf
-    ) -> None:
+    def __init__(self, weight: Array, rows: int, timer: Timer = no_timer, time_limit: float = math.inf) -> None:
         n, m = len(weight), rows
         self._data = np.zeros(n + 2 * n + m * n + m)
         self.cost, self.lower, self.upper, flat = np.split(self._data, (n, 2 * n, 3 * n))
@@ -87,15 +85,7 @@ class Qp:
         solver.settings.eps_duality_gap_rel = 1e-12
         solver.settings.max_iter = MOST_ITERATIONS
         solver.setup(
-            self._quadratic,
-            self.cost,
-            None,
-            None,
-            self.rows,
-            self._unbounded_below,
-            self.right,
-            self.lower,
-            self.upper,
+            self._quadratic, self.cost, None, None, self.rows, self._unbounded_below, self.right, self.lower, self.upper
         )
         return solver
 
@@ -117,9 +107,7 @@ class Qp:
         if status != _SOLVED:
             raise self._failure(f"the solver stopped with {getattr(status, 'name', status)}", x)
         if elapsed > self.time_limit:
-            raise self._failure(
-                f"it took {elapsed * 1e3:.1f} ms, allowed are {self.time_limit * 1e3:.1f} ms", x
-            )
+            raise self._failure(f"it took {elapsed * 1e3:.1f} ms, allowed are {self.time_limit * 1e3:.1f} ms", x)
         inside = self._inside
         np.minimum(np.maximum(x, self.lower), self.upper, out=inside)
         self._rows_and_right.dot(self._answer, self.excess)

@@ -31,9 +31,7 @@ class Certified:
     stiffness: np.ndarray
 
     @classmethod
-    def of(
-        cls, settings: Mapping[str, Any], limit: np.ndarray, error: np.ndarray, attitudes: np.ndarray
-    ) -> Certified:
+    def of(cls, settings: Mapping[str, Any], limit: np.ndarray, error: np.ndarray, attitudes: np.ndarray) -> Certified:
         """The guarantee of a configuration.
 
         Args:

@@ -22,9 +22,7 @@ def _draw(
     from services.experiment.carry import carry_figures as figures
 
     walked = {
-        name: run
-        for name, run in runs.items()
-        if protocol.SCRIPTS[name.rpartition("-")[2]] == protocol.SCRIPTS["omni"]
+        name: run for name, run in runs.items() if protocol.SCRIPTS[name.rpartition("-")[2]] == protocol.SCRIPTS["omni"]
     }
     if len(walked) > 1:
         yield Drawn(

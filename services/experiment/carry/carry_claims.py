@@ -145,11 +145,7 @@ def _keeps_hold(found: Measures) -> Iterator[Row]:
 
 def _limits(found: Measures) -> Iterator[Row]:
     it = found.excess
-    rest = (
-        f"{100 * it.resting_peak:.0f} % of the nearest in {it.resting:.1f} s"
-        if it.resting
-        else "never at rest"
-    )
+    rest = f"{100 * it.resting_peak:.0f} % of the nearest in {it.resting:.1f} s" if it.resting else "never at rest"
     yield (
         "at rest: within every limit",
         rest,
@@ -192,17 +188,13 @@ def _puts_down(found: Measures) -> Iterator[Row]:
     )
     yield (
         "lets go when it stands upright",
-        f"{degrees(it.roll):.1f}° off upright, {degrees(it.tilt):.1f}° off level"
-        if let_go
-        else "never let go",
+        f"{degrees(it.roll):.1f}° off upright, {degrees(it.tilt):.1f}° off level" if let_go else "never let go",
         f"at most {degrees(UPRIGHT):.0f}° and {degrees(LEVEL):.0f}°",
         it.roll <= UPRIGHT and it.tilt <= LEVEL,
     )
     yield (
         "it stays where it was put",
-        f"moves {1e3 * it.moved:.1f} mm, ends {degrees(it.leaning):.1f}° off upright"
-        if let_go
-        else "never let go",
+        f"moves {1e3 * it.moved:.1f} mm, ends {degrees(it.leaning):.1f}° off upright" if let_go else "never let go",
         f"at most {1e3 * STAYS:.0f} mm and {degrees(LEANS):.0f}°",
         it.moved <= STAYS and it.leaning <= LEANS,
     )

@@ -57,9 +57,7 @@ def draw_wrench(run: Run, recording: Recording, found: Measures) -> Figure:
         axes.plot(time[over], value[over], ".", color=LIMIT_COLOUR, markersize=2.5, zorder=5, rasterized=True)
         axes.set_ylabel(_LABELS[axis])
     head(panels[0], run.title, pad=34)
-    panels[-1].set_xlabel(
-        "time [s]   (dashed: limits, centred on the agreed share of the weight; red: over a limit)"
-    )
+    panels[-1].set_xlabel("time [s]   (dashed: limits, centred on the agreed share of the weight; red: over a limit)")
     panels[-1].set_xlim(found.held.start - SHOWN_BEFORE, _end(recording, found) + SHOWN_BEFORE)
     mark(panels, found)
     figure.align_ylabels()
@@ -87,9 +85,7 @@ def draw_paths(run: Run, recording: Recording, found: Measures) -> Figure:
     for x, y, _ in (first, last):
         axes.add_patch(plt.Circle((x, y), _FOOTPRINT, fill=False, color=FAINT, linewidth=0.8, zorder=2))
     axes.set_aspect("equal")
-    axes.set_xlabel(
-        "x, away from the robot [m]   (dots: at the grasp; squares: at the release; circles: the base)"
-    )
+    axes.set_xlabel("x, away from the robot [m]   (dots: at the grasp; squares: at the release; circles: the base)")
     axes.set_ylabel("y, to its left [m]")
     head(axes, run.title)
     figure.legend(loc="outside lower center", ncols=4, handlelength=2.8, columnspacing=1.4)
@@ -213,10 +209,7 @@ class Part:
 def parts(found: Measures) -> list[Part]:
     """Grasp, what the person does with the panel, and release, in order of time."""
     found_parts = [Part(one.name, one.start, one.end) for one in found.followed if np.isfinite(one.start)]
-    for named, names in (
-        (found.doings, _NAMES),
-        (found.states, {"grasping": "grasp", "releasing": "release"}),
-    ):
+    for named, names in ((found.doings, _NAMES), (found.states, {"grasping": "grasp", "releasing": "release"})):
         for (name, start), (_, end) in zip(named, [*named[1:], ("", found.states[-1][1])], strict=True):
             if name in names and end > start:
                 found_parts.append(Part(names[name], start, end))

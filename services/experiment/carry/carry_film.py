@@ -97,9 +97,7 @@ class Story:
         orientation: of the panel (N, 4), in world.
     """
 
-    def __init__(
-        self, time: Array, state: np.ndarray, doing: np.ndarray, hands: Array, orientation: Array
-    ) -> None:
+    def __init__(self, time: Array, state: np.ndarray, doing: np.ndarray, hands: Array, orientation: Array) -> None:
         self._time, self._state, self._doing, self._hands = time, state, doing, hands
         x, y, z, w = orientation.T
         self._roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
@@ -118,9 +116,7 @@ class Story:
         )
         velocity /= _SPAN
         leading = LEADS
-        for state, doing, (vx, vy, _), twisting in zip(
-            self._state, self._doing, velocity, self._twisting, strict=True
-        ):
+        for state, doing, (vx, vy, _), twisting in zip(self._state, self._doing, velocity, self._twisting, strict=True):
             if state != "carrying":
                 yield STATES.get(state, state)
             elif doing == "move":

@@ -79,9 +79,7 @@ def measure(recording: Recording) -> Measures:
     states, reason = task_states(recording)
     span = held(recording, dict(reversed(states)).get("carrying", float("inf")))
     if not np.isfinite(span.start):
-        raise ValueError(
-            f"run {name}: the gripper never held the panel; the task was {states[-1][0]}: {reason}"
-        )
+        raise ValueError(f"run {name}: the gripper never held the panel; the task was {states[-1][0]}: {reason}")
     end = float(motion.time[-1]) if span.for_good else span.end
     during = (motion.time >= span.start) & (motion.time < end)
     wrenches = Wrenches.of(recording, span.start, end)

@@ -46,9 +46,7 @@ class Guidance:
 
 
 SCRIPTS = {
-    base: (
-        Path(__file__).with_name("arm_only.toml").read_text(encoding="utf-8") if base == "none" else "carry"
-    )
+    base: (Path(__file__).with_name("arm_only.toml").read_text(encoding="utf-8") if base == "none" else "carry")
     for base in BASES
 }
 """What the person does; the arm alone cannot follow somebody who walks."""
@@ -127,10 +125,5 @@ def run(law: str, base: str) -> Run:
     )
 
 
-RUNS = (
-    run("certified", "omni"),
-    run("certified", "none"),
-    run("paper", "omni"),
-    run("stiffness", "omni"),
-)
+RUNS = (run("certified", "omni"), run("certified", "none"), run("paper", "omni"), run("stiffness", "omni"))
 """What is played unless something else is asked for."""

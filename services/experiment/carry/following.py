@@ -75,15 +75,12 @@ class Ways:
         """Along a way ("along", "across" or "roll") since an instant."""
         if way == "roll":
             none = np.full(len(motion.time), np.nan)
-            wish, far, near = (
-                values - values[begin] for values in (motion.wish_roll, motion.roll, motion.tool_roll)
-            )
+            wish, far, near = (values - values[begin] for values in (motion.wish_roll, motion.roll, motion.tool_roll))
             return cls(wish, far, near, none, none)
         x, y = motion.panel_axes[begin, :2, 0] / np.linalg.norm(motion.panel_axes[begin, :2, 0])
         direction = np.array((x, y) if way == "along" else (-y, x))
         wish, far, near, base = (
-            (path[:, :2] - path[begin, :2]) @ direction
-            for path in (motion.wish, motion.hand, motion.tool, motion.base)
+            (path[:, :2] - path[begin, :2]) @ direction for path in (motion.wish, motion.hand, motion.tool, motion.base)
         )
         return cls(wish, far, near, base, motion.push[:, :2] @ direction)
 
@@ -139,12 +136,7 @@ def _missing(guidance: Guidance) -> Followed:
 def _one(motion: Motion, guidance: Guidance, begin: int, end: int, way: str, until: int) -> Followed:
     time = motion.time
     last = min(int(np.searchsorted(time, time[end] + SETTLING)), until)
-    gone, sense, turned, nan = (
-        Ways.of(motion, way, begin),
-        np.sign(guidance.amount),
-        way == "roll",
-        float("nan"),
-    )
+    gone, sense, turned, nan = (Ways.of(motion, way, begin), np.sign(guidance.amount), way == "roll", float("nan"))
     span = slice(begin, last + 1)
 
     def half_way(values: np.ndarray) -> float:

@@ -36,9 +36,7 @@ Figures = Sequence[tuple[Followed, float]]
 
 def follows(base: str, followed: Sequence[Followed]) -> Iterator[Row]:
     """All of them for a run with a base, or "none"."""
-    along, across, rolls = (
-        [one for one in followed if one.way == way] for way in ("along", "across", "roll")
-    )
+    along, across, rolls = ([one for one in followed if one.way == way] for way in ("along", "across", "roll"))
     far, near = [(one, one.far) for one in (*along, *across)], [(one, one.near) for one in along]
     yield _gets_there("far end gets where it is wanted", far, MISSES)
     yield _gets_there("turns where it is wanted", [(one, one.far) for one in rolls], MISSES_TURN)
@@ -59,8 +57,7 @@ def _gets_there(short: str, shares: Figures, within: float) -> Row:
     worst, share = max(shares, key=lambda one: one[0].short(one[1]))
     missing = worst.short(share)
     lacks, allowed = (
-        f"{math.degrees(value):.1f}°" if worst.way == "roll" else f"{1e3 * value:.0f} mm"
-        for value in (missing, within)
+        f"{math.degrees(value):.1f}°" if worst.way == "roll" else f"{1e3 * value:.0f} mm" for value in (missing, within)
     )
     return short, f"{lacks} off, {100 * share:.0f} % ({worst.name})", f"within {allowed}", missing <= within
 

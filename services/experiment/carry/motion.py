@@ -50,9 +50,7 @@ class Motion:
         """What a recording says of it; KeyError names what it lacks."""
         world, odometry, arm = topics.SIM_WORLD.key, topics.STATE_BASE.key, topics.STATE_EE.key
         time = recording.time(world)
-        driven = np.column_stack(
-            (recording.series(odometry, "position"), np.unwrap(recording.series(odometry, "yaw")))
-        )
+        driven = np.column_stack((recording.series(odometry, "position"), np.unwrap(recording.series(odometry, "yaw"))))
         base = at(time, recording.time(odometry), driven)
         heading = turns_about_z(base[:, 2])
         reached = at(time, recording.time(arm), recording.series(arm, "position"))
@@ -148,11 +146,7 @@ def spin(time: np.ndarray, axes: np.ndarray) -> np.ndarray:
     turning = rate(time, axes.reshape(-1, 9)).reshape(-1, 3, 3) @ axes.transpose(0, 2, 1)
     # vee((dR/dt) R'); over SMOOTHING it is only nearly skew.
     return 0.5 * np.column_stack(
-        (
-            turning[:, 2, 1] - turning[:, 1, 2],
-            turning[:, 0, 2] - turning[:, 2, 0],
-            turning[:, 1, 0] - turning[:, 0, 1],
-        )
+        (turning[:, 2, 1] - turning[:, 1, 2], turning[:, 0, 2] - turning[:, 2, 0], turning[:, 1, 0] - turning[:, 0, 1])
     )
 
 

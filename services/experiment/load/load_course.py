@@ -20,14 +20,7 @@ class LoadSequence(Course):
     """Tares, takes up the pose, then plays the loads."""
 
     def __init__(self, run: Run) -> None:
-        super().__init__(
-            run,
-            {
-                STANDING: self._stand,
-                "taking up the pose": self._take_up,
-                "playing": self._play,
-            },
-        )
+        super().__init__(run, {STANDING: self._stand, "taking up the pose": self._take_up, "playing": self._play})
         self._steady_since: float | None = None
         self._played = 0
         self._rest: np.ndarray | None = None
@@ -38,9 +31,7 @@ class LoadSequence(Course):
     def _take_up(self, now: float, seen: Observation) -> list[Ask]:
         if not self._steady(now, seen, AT_POSE):
             away = 1e3 * _distance(seen)
-            self.give_up(
-                now, STILL_WITHIN, f"the tool is {away:.0f} mm from the pose to hold. {seen.trouble}"
-            )
+            self.give_up(now, STILL_WITHIN, f"the tool is {away:.0f} mm from the pose to hold. {seen.trouble}")
             return []
         if unambiguous(seen.error_bound) > protocol.HEAVY:
             if self.may_tare_again():

@@ -17,12 +17,8 @@ from services.experiment.report.drawing import FAINT, INK, LIMIT_COLOUR, LIMIT_L
 from shared import topics
 
 # Okabe and Ito's palette: told apart with any colour vision; line styles carry the same information in grey.
-COLOURS = dict(
-    zip((run.name for run in RUNS), ("#D55E00", "#56B4E9", "#0072B2", "#009E73", "#7F7F7F"), strict=True)
-)
-STYLES = dict(
-    zip((run.name for run in RUNS), ("-", (0, (4, 1.5)), "-", (0, (1.5, 1)), (0, (6, 2, 1, 2))), strict=True)
-)
+COLOURS = dict(zip((run.name for run in RUNS), ("#D55E00", "#56B4E9", "#0072B2", "#009E73", "#7F7F7F"), strict=True))
+STYLES = dict(zip((run.name for run in RUNS), ("-", (0, (4, 1.5)), "-", (0, (1.5, 1)), (0, (6, 2, 1, 2))), strict=True))
 HEIGHT = 5.0  # [in]
 
 

@@ -35,9 +35,7 @@ class Measures:
     lowering_time: float  # from the heavier bag to the ground
     drop: float  # how far the tool went down for it
     peak_speed: float  # largest downward speed on the way [m/s]
-    load_swing: (
-        float  # half the range that holds the load on the way down, but for 20 % of it and what brakes upset
-    )
+    load_swing: float  # half the range that holds the load on the way down, but for 20 % of it and what brakes upset
     judged_way: float  # share of the way that no brake upset
     brakes: tuple[Brake, ...]  # on the way down
     reversals: int  # turn-rounds on the way that are larger than REVERSAL
@@ -69,11 +67,7 @@ def measure(recording: Recording) -> Measures:
     landing = float(bag_time[grounded][0]) if grounded.any() else float("nan")
     lowered = landing if grounded.any() else unload
     way = _within(time, heavy, lowered)
-    landed = (
-        _within(bag_time, landing + AFTER_LANDING, unload)
-        if grounded.any()
-        else np.zeros(len(bag_time), bool)
-    )
+    landed = _within(bag_time, landing + AFTER_LANDING, unload) if grounded.any() else np.zeros(len(bag_time), bool)
 
     wrench = topics.WRENCH_EXTERNAL.key
     force_time, load = recording.time(wrench), -recording.series(wrench, "force")[:, 2]

@@ -64,18 +64,6 @@ RUNS: tuple[Run, ...] = (
     _run("paper-30", "paper's law, 30 Hz", "paper", 30.0),
     _run("certified-30", "certified, 30 Hz", "certified", 30.0),
     _run("certified-100", "certified, 100 Hz", "certified", 100.0),
-    _run(
-        "rounded-100",
-        "certified, yielding from 0.9 of the limit, 100 Hz",
-        "certified",
-        100.0,
-        yield_start=0.9,
-    ),
-    _run(
-        "stiffness-100",
-        "stiffness 40 N/m, 100 Hz",
-        "stiffness",
-        100.0,
-        spring_stiffness=[40.0] * 3 + [10.0] * 3,
-    ),
+    _run("rounded-100", "certified, yielding from 0.9 of the limit, 100 Hz", "certified", 100.0, yield_start=0.9),
+    _run("stiffness-100", "stiffness 40 N/m, 100 Hz", "stiffness", 100.0, spring_stiffness=[40.0] * 3 + [10.0] * 3),
 )

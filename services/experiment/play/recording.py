@@ -77,11 +77,7 @@ class Recording:
 
     def save(self, path: Path) -> None:
         """Writes everything to one compressed .npz file, which `load` reads back."""
-        arrays = {
-            f"{key}|{name}": values
-            for key, columns in self.topics.items()
-            for name, values in columns.items()
-        }
+        arrays = {f"{key}|{name}": values for key, columns in self.topics.items() for name, values in columns.items()}
         events = [dataclasses.asdict(event) for event in self.events]
         arrays["meta"] = np.array(json.dumps({"meta": self.meta, "events": events}))
         np.savez_compressed(path, allow_pickle=False, **arrays)
@@ -111,14 +107,8 @@ class Recording:
         folder.mkdir(parents=True, exist_ok=True)
         written = []
         for key, columns in self.topics.items():
-            flat = {
-                name: column.tolist()
-                for name, values in columns.items()
-                for name, column in _spread(name, values)
-            }
-            written.append(
-                _write(folder / f"{key.replace('/', '_')}.csv", flat, zip(*flat.values(), strict=True))
-            )
+            flat = {name: column.tolist() for name, values in columns.items() for name, column in _spread(name, values)}
+            written.append(_write(folder / f"{key.replace('/', '_')}.csv", flat, zip(*flat.values(), strict=True)))
         events = (dataclasses.astuple(event) for event in self.events)
         return [*written, _write(folder / "events.csv", ("time", "event", "detail"), events)]
 
@@ -145,9 +135,7 @@ class Recorder:
         for key, heard in sorted((key, list(heard)) for key, heard in self._heard.items()):
             topic = topic_by_key(key)
             assert topic is not None
-            sound = [
-                (time, plain) for time, payload in heard if (plain := _plain(topic, payload)) is not None
-            ]
+            sound = [(time, plain) for time, payload in heard if (plain := _plain(topic, payload)) is not None]
             if len(sound) < len(heard):
                 rejected[key] = len(heard) - len(sound)
             topics[key] = {"time": np.array([time for time, _ in sound]) - start}

@@ -123,10 +123,7 @@ class HeadCamera:
         joints.update(zip(FINGERS, (world.gripper.left, world.gripper.right), strict=True))
         supports = None
         if panel.supported:
-            supports = (
-                np.array([self._in_base(place) for place in panel.trestles]),
-                panel.heading - world.base.yaw,
-            )
+            supports = (np.array([self._in_base(place) for place in panel.trestles]), panel.heading - world.base.yaw)
         return View(
             position,
             rotation,
@@ -168,12 +165,5 @@ class HeadCamera:
 
 def _message(view: View, data: bytes) -> CameraImage:
     return CameraImage(
-        WIDTH,
-        HEIGHT,
-        "jpeg",
-        data,
-        np.array(INTRINSICS),
-        np.zeros(5),
-        view.position,
-        quaternion(view.rotation),
+        WIDTH, HEIGHT, "jpeg", data, np.array(INTRINSICS), np.zeros(5), view.position, quaternion(view.rotation)
     )

@@ -35,9 +35,7 @@ class PanelShapes:
         # Each part with its place in the marker's frame.
         self._parts = [(plate, np.array((0.0, 0.0, 0.5 * white)))]
         for left, right, lower, upper in marker.strips(scenery.marker):
-            strip = canvas.box(
-                ((right - left) * cell, (upper - lower) * cell, black), (0.02, 0.02, 0.02, 1.0)
-            )
+            strip = canvas.box(((right - left) * cell, (upper - lower) * cell, black), (0.02, 0.02, 0.02, 1.0))
             centre = np.array((0.5 * (left + right) * cell, 0.5 * (lower + upper) * cell, 0.5 * black))
             self._parts.append((strip, centre))
 

@@ -81,9 +81,7 @@ def strip(run: CarryRun) -> Picture:
 def _cut(picture: Image.Image) -> Image.Image:
     """The part of a picture of the film where things happen, in the strip's format."""
     left, top, width = CUT
-    return picture.resize(
-        STILL, Image.Resampling.LANCZOS, (left, top, left + width, top + width * STILL[1] / STILL[0])
-    )
+    return picture.resize(STILL, Image.Resampling.LANCZOS, (left, top, left + width, top + width * STILL[1] / STILL[0]))
 
 
 class _Studio:

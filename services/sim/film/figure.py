@@ -59,9 +59,7 @@ def posture(edge: Array, across: Array, outward: Array, holding: float) -> Postu
     feet, hips, shoulders = ground + 0.13 * sides, middle + HIP * sides, neck + SHOULDER * sides
     hanging = middle + 0.28 * sides - 0.08 * _UP - 0.05 * outward
     hands = hanging + holding * (edge + HAND * np.array((across, -across)) - hanging)
-    knees = [
-        _between(hip, foot, THIGH, SHIN, -outward) for hip, foot in zip(hips, feet + 0.08 * _UP, strict=True)
-    ]
+    knees = [_between(hip, foot, THIGH, SHIN, -outward) for hip, foot in zip(hips, feet + 0.08 * _UP, strict=True)]
     elbows = [
         _between(shoulder, hand, UPPER_ARM, FOREARM, side - 2.0 * _UP)
         for shoulder, hand, side in zip(shoulders, hands, sides, strict=True)

@@ -30,12 +30,7 @@ class Floor:
         self._size = size
 
     def draw(
-        self,
-        centre: Array,
-        view: Matrix,
-        projection: Matrix,
-        shadows: Iterable[Array],
-        outlines: Iterable[Array],
+        self, centre: Array, view: Matrix, projection: Matrix, shadows: Iterable[Array], outlines: Iterable[Array]
     ) -> Picture:
         """Nothing but the floor (height, width, 3): the camera looks down so far that it sees no horizon.
 

@@ -96,9 +96,7 @@ class Gauges:
         width, height = 296, 152
         left, top = picture.width - width - 16, picture.height - height - 14
         pen = ImageDraw.Draw(picture, "RGBA")
-        pen.rounded_rectangle(
-            (left, top, left + width, top + height), 6, fill=(255, 255, 255, 225), outline=PALE
-        )
+        pen.rounded_rectangle((left, top, left + width, top + height), 6, fill=(255, 255, 255, 225), outline=PALE)
         pen.text((left + 12, top + 8), "wrench on the gripper less the agreed weight", GREY, self._fonts[13])
         middle, half = left + 146, 76
         mark = half / _FULL
@@ -111,9 +109,7 @@ class Gauges:
             colour = OVER if abs(share) > 1.0 else NEAR_LIMIT if abs(share) > _NEAR else CALM
             pen.rectangle((min(middle, end), row - 5, max(middle, end), row + 5), fill=colour)
             unit = "N" if index < 3 else "Nm"
-            pen.text(
-                (middle + half + 6, row), f"±{limit[index]:g} {unit}", GREY, self._fonts[13], anchor="lm"
-            )
+            pen.text((middle + half + 6, row), f"±{limit[index]:g} {unit}", GREY, self._fonts[13], anchor="lm")
         for column, fill in ((middle - mark, INK), (middle + mark, INK), (middle, GREY)):
             pen.line((column, top + 30, column, top + height - 11), fill=fill, width=1)
 

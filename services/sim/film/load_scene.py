@@ -44,9 +44,7 @@ class Scene:
             for shade, radius in zip(_SHADE, (0.33, 0.11), strict=True)
         ]
         self._canvas.place(self._shades[0], (-0.03, 0.02, 0.0))
-        self._beads = [
-            self._canvas.shape(pybullet.GEOM_SPHERE, _ROPE, radius=0.009) for _ in range(ROPE_BEADS)
-        ]
+        self._beads = [self._canvas.shape(pybullet.GEOM_SPHERE, _ROPE, radius=0.009) for _ in range(ROPE_BEADS)]
         self._bag = [
             self._canvas.shape(pybullet.GEOM_BOX, _CLOTH, halfExtents=[0.085, 0.065, 0.09]),
             self._canvas.shape(pybullet.GEOM_BOX, _BAND, halfExtents=[0.087, 0.067, 0.012]),
@@ -63,9 +61,7 @@ class Scene:
         half = 0.25
         for column in range(-6, 10):
             for row in range(-8, 9):
-                tile = self._canvas.shape(
-                    pybullet.GEOM_BOX, _FLOOR[(column + row) % 2], halfExtents=[half, half, 0.01]
-                )
+                tile = self._canvas.shape(pybullet.GEOM_BOX, _FLOOR[(column + row) % 2], halfExtents=[half, half, 0.01])
                 self._canvas.place(tile, (2 * half * column, 2 * half * row, -0.01))
 
     def pose(self, joints: Mapping[str, float], bag_height: float | None) -> None:

@@ -23,13 +23,9 @@ SLACK = 0.02
 GRIPPER_CENTRE = -0.0635
 """[m] Centre of mass of what is beyond the force-torque sensor, along the tool's x axis. What the arm feels of the
 base's turning is worked out there, and taken for the same all along the arm: only its motors notice."""
-DRIVE_LAG = (
-    0.015  # [s] time constant of the drives: the tool follows its commanded twist as a first-order lag
-)
+DRIVE_LAG = 0.015  # [s] time constant of the drives: the tool follows its commanded twist as a first-order lag
 AT_REST = 1e-5  # [m/s, rad/s] of a joint that count as none, so that the arm comes to rest in finite time
-IK_PERIOD = (
-    0.01  # [s] after which an unchanged twist is resolved into joint velocities anew: the arm has moved
-)
+IK_PERIOD = 0.01  # [s] after which an unchanged twist is resolved into joint velocities anew: the arm has moved
 _STANDING = [0.0] * len(CHAIN)
 
 
@@ -106,8 +102,7 @@ class Arm:
         if moving:
             step = self.physics.step_time
             self._set_point = [
-                place + velocity * step
-                for place, velocity in zip(self._set_point, self._velocity, strict=True)
+                place + velocity * step for place, velocity in zip(self._set_point, self._velocity, strict=True)
             ]
         if self._bound() or moving or self._was_moving:
             self.physics.drive(self._set_point, self._velocity)
@@ -148,9 +143,7 @@ class Arm:
         lead = np.zeros(len(CHAIN))
         if reference[0] == torso:
             lead[0] = self._torso_share * twist[2]
-        solution = self._ik.solve(
-            np.array(self._set_point), kinematics.jacobian(), np.array(twist), reference, lead
-        )
+        solution = self._ik.solve(np.array(self._set_point), kinematics.jacobian(), np.array(twist), reference, lead)
         self.limited_by = solution.limited_by
         velocities: list[float] = solution.velocity.tolist()
         return velocities

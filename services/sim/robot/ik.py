@@ -53,13 +53,7 @@ class DifferentialIK:
     """
 
     def __init__(
-        self,
-        lower: Array,
-        upper: Array,
-        speed: Array,
-        margin: Array,
-        names: tuple[str, ...],
-        weight: Array,
+        self, lower: Array, upper: Array, speed: Array, margin: Array, names: tuple[str, ...], weight: Array
     ) -> None:
         self._lower = lower + margin
         self._upper = upper - margin
@@ -86,9 +80,7 @@ class DifferentialIK:
         highest = np.maximum(np.minimum(APPROACH_RATE * (self._upper - position), self._speed), 0.0)
         return lowest, highest
 
-    def solve(
-        self, position: Array, jacobian: Array, twist: Array, reference: Array, lead: Array
-    ) -> Solution:
+    def solve(self, position: Array, jacobian: Array, twist: Array, reference: Array, lead: Array) -> Solution:
         """Joint velocities for a twist.
 
         Args:
@@ -99,9 +91,7 @@ class DifferentialIK:
             lead: velocity (n,) of that posture.
         """
         x, y, z, about_x, about_y, about_z = twist.tolist()
-        size = math.hypot(
-            x, y, z, ANGULAR_LENGTH * about_x, ANGULAR_LENGTH * about_y, ANGULAR_LENGTH * about_z
-        )
+        size = math.hypot(x, y, z, ANGULAR_LENGTH * about_x, ANGULAR_LENGTH * about_y, ANGULAR_LENGTH * about_z)
         if size == 0.0:
             return Solution(np.zeros(self._n), 1.0, "")
         lowest, highest = self.bounds(position)
@@ -139,9 +129,7 @@ class DifferentialIK:
         if self._ready:
             self._solver.update(P=self._hessian, c=gradient, A=self._equations, x_l=below, x_u=above)
         else:
-            self._solver.setup(
-                P=self._hessian, c=gradient, A=self._equations, b=np.zeros(6), x_l=below, x_u=above
-            )
+            self._solver.setup(P=self._hessian, c=gradient, A=self._equations, b=np.zeros(6), x_l=below, x_u=above)
             self._ready = True
         status = self._solver.solve()
         result = np.array(self._solver.result.x)

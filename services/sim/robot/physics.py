@@ -19,9 +19,7 @@ FRICTION = np.array([0.0] + [1.0] * (len(CHAIN) - 1))
 SLIP_DAMPING = (0.0, 10.0, 10.0, 8.0, 8.0, 4.0, 2.0, 0.3)
 """[Nm s/rad] Resistance of the gears of a joint that is pushed away: it gives way slowly instead of collapsing. Towards
 the hand it is as much as an explicit damper on so little inertia may have."""
-SLIPPING = (
-    2e-3  # [m/s, rad/s] between a joint's speed and its set-point's above which it counts as pushed away
-)
+SLIPPING = 2e-3  # [m/s, rad/s] between a joint's speed and its set-point's above which it counts as pushed away
 POSITION_GAIN = 0.1  # [1] share of a position error that a motor removes per step: 20 ms at 500 Hz
 
 
@@ -70,9 +68,7 @@ class Physics:
         self._joints = [names.index(name) for name in CHAIN]
         self._wrist = names.index(SENSOR_JOINT)
         for link in range(-1, len(names)):
-            pybullet.changeDynamics(
-                self._body, link, linearDamping=0, angularDamping=0, jointDamping=0, **self._on
-            )
+            pybullet.changeDynamics(self._body, link, linearDamping=0, angularDamping=0, jointDamping=0, **self._on)
         pybullet.enableJointForceTorqueSensor(self._body, self._wrist, True, **self._on)
         # The reaction comes in the axes of the body's principal inertia, which are not those of the joint.
         principal = pybullet.getDynamicsInfo(self._body, self._wrist, **self._on)[4]
@@ -102,9 +98,7 @@ class Physics:
         self._target_velocities = velocities
         forces = [
             holding if velocity == 0.0 else moving
-            for velocity, holding, moving in zip(
-                velocities, self._holding_limit, self._moving_limit, strict=True
-            )
+            for velocity, holding, moving in zip(velocities, self._holding_limit, self._moving_limit, strict=True)
         ]
         pybullet.setJointMotorControlArray(
             self._body,
@@ -134,10 +128,7 @@ class Physics:
         """Let one step of time pass."""
         pybullet.stepSimulation(**self._on)
         self._read()
-        slip = [
-            velocity - target
-            for velocity, target in zip(self.velocities, self._target_velocities, strict=True)
-        ]
+        slip = [velocity - target for velocity, target in zip(self.velocities, self._target_velocities, strict=True)]
         if max(slip) > SLIPPING or min(slip) < -SLIPPING:
             # Acts in the next step, in addition to the motors.
             pybullet.setJointMotorControlArray(

@@ -65,9 +65,7 @@ class SensorLine:
         if self.kind != "delay":
             return outputs
         delay = float(self._value[0])
-        self._queue.extend(
-            (self._time + delay, replace(output, late=output.late + delay)) for output in outputs
-        )
+        self._queue.extend((self._time + delay, replace(output, late=output.late + delay)) for output in outputs)
         arrived = []
         while self._queue and self._queue[0][0] <= self._time + 1e-9:
             arrived.append(self._queue.popleft()[1])

@@ -54,9 +54,7 @@ class JointSensors:
         line: that the encoders' values take.
     """
 
-    def __init__(
-        self, arm: Arm, head: Head, gripper: Gripper, start: Mapping[str, float], line: SensorLine
-    ) -> None:
+    def __init__(self, arm: Arm, head: Head, gripper: Gripper, start: Mapping[str, float], line: SensorLine) -> None:
         self._physics = arm.physics
         self._head, self._gripper = head, gripper
         self._line = line
@@ -72,9 +70,7 @@ class JointSensors:
     def measure(self) -> tuple[JointState, EndEffector]:
         """Joint states and the tool's pose and twist, as the encoders have them."""
         physics = self._physics
-        position, velocity, effort = self._line.stick(
-            lambda: (physics.position, physics.velocity, physics.effort())
-        )
+        position, velocity, effort = self._line.stick(lambda: (physics.position, physics.velocity, physics.effort()))
         position = self._line.shift(position)
         all_positions, all_velocities = self._position.copy(), np.zeros(len(self._names))
         all_efforts = self._effort.copy()

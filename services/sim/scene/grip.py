@@ -33,9 +33,7 @@ PAD_WIDTH = 0.05  # [m] of the pads along the tool's z axis: the fingers of ``ti
 # Assumptions, nobody publishes them:
 STRENGTH = 100.0  # [N] at which the gear of a finger gives way
 CONTACT = 1.0  # [N] of each pad's pressure from which on it counts as contact
-PARALLEL = math.cos(
-    math.radians(20.0)
-)  # faces further from parallel to the pads are bumped into, not gripped
+PARALLEL = math.cos(math.radians(20.0))  # faces further from parallel to the pads are bumped into, not gripped
 PIVOT = math.cos(math.radians(60.0))
 """A panel that has turned between the pads by more than this, about the axis across them, is no longer between them."""
 CLEARANCE = 0.002  # [m] by which the panel may be wider than the fingers' gap and still slip in between
@@ -107,9 +105,7 @@ class Grip:
         self._barred = False
         self._between = False
 
-    def wrench(
-        self, gripper: Gripper, pads: Pads | None, twist: Array, dt: float
-    ) -> tuple[Array, Array] | None:
+    def wrench(self, gripper: Gripper, pads: Pads | None, twist: Array, dt: float) -> tuple[Array, Array] | None:
         """Force (3,) [N] and torque (3,) [Nm] on the panel at the pads' centre, tool axes; None if nothing touches.
 
         Args:

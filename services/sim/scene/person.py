@@ -25,9 +25,7 @@ LEVELLING = 0.15  # [rad/s] at which the hands turn to bring a higher end down
 GUIDED_SPEED = 0.15  # [m/s] of the hands on their way to a target given from outside
 WAITING = 0.15  # [m] by which the other end is higher when the person's own is lowered no further
 TOUCHING = 0.004  # [m] above the ground that look like none
-RELAXING = (
-    0.5  # [s] for taking over or leaving a weight, and time constant of easing off before the hands let go
-)
+RELAXING = 0.5  # [s] for taking over or leaving a weight, and time constant of easing off before the hands let go
 
 
 class Person:

@@ -23,25 +23,16 @@ class Phase(Record):
     do: str = of(Text(choices=("wait", "take_hold", "lift", "move", "turn", "lower", "let_go")))
     until: str = of(Text(choices=("grasp", "release")), default="grasp")
     by: Array = of(
-        Vector(
-            "m",
-            "forwards (away from the robot, along the panel), to the left, and up",
-            minimum=-5.0,
-            maximum=5.0,
-        ),
+        Vector("m", "forwards (away from the robot, along the panel), to the left, and up", minimum=-5.0, maximum=5.0),
         default=(0.0,) * 3,
     )
     height: float = of(Number("m", minimum=0.0, maximum=1.0), default=0.0)
-    about: str = of(
-        Text(doc="the panel's own long axis x, or the vertical z", choices=("x", "z")), default="x"
-    )
+    about: str = of(Text(doc="the panel's own long axis x, or the vertical z", choices=("x", "z")), default="x")
     angle: float = of(Number("degrees", minimum=-180.0, maximum=180.0), default=0.0)
     speed: float = of(
         Number("m/s or rad/s", "on average; begins and ends gently", minimum=0.01, maximum=1.0), default=0.1
     )
-    patience: float = of(
-        Number("s", "until the next phase all the same", minimum=0.0, maximum=600.0), default=20.0
-    )
+    patience: float = of(Number("s", "until the next phase all the same", minimum=0.0, maximum=600.0), default=20.0)
     pause: float = of(Number("s", "standing still afterwards", minimum=0.0, maximum=60.0), default=1.0)
 
 
@@ -74,9 +65,7 @@ def read(script: str) -> tuple[Phase, ...]:
         raise Refused(f"script is neither {names} nor TOML ({' '.join(str(problem).split())})") from None
     phases = content.get("phase")
     if set(content) != {"phase"} or not isinstance(phases, list) or not 0 < len(phases) <= MOST_PHASES:
-        raise Refused(
-            f"script holds {sorted(content)}, wanted 1 to {MOST_PHASES} tables [[phase]] and nothing else"
-        )
+        raise Refused(f"script holds {sorted(content)}, wanted 1 to {MOST_PHASES} tables [[phase]] and nothing else")
     return tuple(_phase(number, table) for number, table in enumerate(phases, 1))
 
 
@@ -88,15 +77,11 @@ def _phase(number: int, table: Any) -> Phase:
         needed = _FIELDS.get(str(table.get("do")), ())
         allowed = (*needed, "patience", "pause")
         unknown = next((name for name in table if name not in ("do", *allowed)), None)
-        phase = Phase.from_plain(
-            {name: table[name] for name in ("do", *allowed) if name in table}, f"{where}: "
-        )
+        phase = Phase.from_plain({name: table[name] for name in ("do", *allowed) if name in table}, f"{where}: ")
     except InvalidField as problem:
         raise Refused(str(problem)) from None
     if unknown is not None:
-        raise Refused(
-            f"{where}: {shown(unknown)} is nothing that {phase.do} has; it has {', '.join(allowed)}"
-        )
+        raise Refused(f"{where}: {shown(unknown)} is nothing that {phase.do} has; it has {', '.join(allowed)}")
     missing = next((name for name in needed if name not in table and name != "speed"), None)
     if missing is not None:
         raise Refused(f"{where}: {missing} is missing; {phase.do} needs it")

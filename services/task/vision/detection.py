@@ -24,11 +24,7 @@ _RGB_CHANNELS = 3
 MOST_PIXELS = 4_000_000  # more would keep the task from its other work for longer than a tenth of a second
 LONGEST_SIDE = 8_000  # [px], OpenCV's sampling ends at 32767
 _JPEG_START, _JPEG_FILL, _JPEG_SCAN = b"\xff\xd8", 0xFF, 0xDA
-_JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {
-    0xC4,
-    0xC8,
-    0xCC,
-}  # have the size; the three others define tables
+_JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}  # have the size; the three others define tables
 _JPEG_WITHOUT_LENGTH = frozenset((0x01, *range(0xD0, 0xD9)))
 
 
@@ -92,9 +88,7 @@ class Detector:
             candidates += self._followed(grey, *known, camera, image.distortion)
         return candidates
 
-    def _followed(
-        self, grey: Grey, number: int, pose: Pose, camera: Array, distortion: Array
-    ) -> list[Candidate]:
+    def _followed(self, grey: Grey, number: int, pose: Pose, camera: Array, distortion: Array) -> list[Candidate]:
         """The marker at the place where it has to be, if its edges are there and the whole of its code can be read.
 
         The search wants white all around the square, some of which the robot's own finger hides just before the grasp.
@@ -132,9 +126,7 @@ class Detector:
         )
         solutions = []
         for turn, shift in zip(turns[:count], shifts[:count], strict=True):
-            minimum = cv2.solvePnPRefineLM(
-                self._corners, corners, camera, distortion, turn.copy(), shift.copy()
-            )
+            minimum = cv2.solvePnPRefineLM(self._corners, corners, camera, distortion, turn.copy(), shift.copy())
             seen, _ = cv2.projectPoints(self._corners, *minimum, camera, distortion)
             error = float(np.sqrt(np.mean(np.sum((seen.reshape(4, 2) - corners) ** 2, axis=1))))
             turn, shift = (np.array(part, dtype=np.float64).reshape(3) for part in minimum)

@@ -150,7 +150,5 @@ class MarkerTracker:
             apart = Pose(best.position, best.rotation).angle(Pose(other.position, other.rotation))
             if apart > _SAME_ANGLE and other.error < settings.marker_ambiguity * best.error:
                 ratio = f"the second pose fits {other.error / max(best.error, 1e-9):.1f} times worse"
-                return TaskFault(
-                    "marker_ambiguous", f"{ratio}, wanted are {settings.marker_ambiguity:g} times"
-                )
+                return TaskFault("marker_ambiguous", f"{ratio}, wanted are {settings.marker_ambiguity:g} times")
         return None

@@ -219,9 +219,7 @@ def test_parameters_by_the_names_of_the_contract_and_out_of_range_refused() -> N
 
 
 @pytest.mark.parametrize(
-    "change",
-    [{"max_linear": 0.05}, {"damping_linear": 200.0}, {"mass": 1.0}, {"dead_band_force": 20.0}],
-    ids=str,
+    "change", [{"max_linear": 0.05}, {"damping_linear": 200.0}, {"mass": 1.0}, {"dead_band_force": 20.0}], ids=str
 )
 def test_changes_while_it_moves_never_jump(change: dict) -> None:
     rig = Rig().pushed()

@@ -19,9 +19,7 @@ from shared.topics import BASE_ENABLE, STATE_EE, STATE_ROBOT, STOP, WRENCH_EXTER
 from tests.services.base.rig import PERIOD, Rig
 
 
-@pytest.mark.parametrize(
-    ("lost", "within"), [("wrench_valid", 0.011), ("wrench_on", 0.041), ("robot_on", 0.111)]
-)
+@pytest.mark.parametrize(("lost", "within"), [("wrench_valid", 0.011), ("wrench_on", 0.041), ("robot_on", 0.111)])
 def test_brakes_for_a_fault_and_follows_again_by_itself(lost: str, within: float) -> None:
     rig = Rig().pushed()
     speed = rig.velocity[0]
@@ -101,11 +99,7 @@ HALTS: dict[str, tuple[Callable[[Rig], None], str, Callable[[Rig], None]]] = {
     "stop": (lambda rig: rig.stop(True), "red button", lambda rig: rig.stop(False)),
     "invalid stop": (lambda rig: rig.stop(True, valid=False), "red button", lambda rig: rig.stop(False)),
     # A stop whose message never came here.
-    "robot": (
-        lambda rig: rig.say_robot("stopped"),
-        "robot is stopped: by hand",
-        lambda rig: rig.say_robot("ready"),
-    ),
+    "robot": (lambda rig: rig.say_robot("stopped"), "robot is stopped: by hand", lambda rig: rig.say_robot("ready")),
 }
 
 
@@ -211,9 +205,7 @@ def inputs(vectors, flags, base_type: str) -> Inputs:
 
 @pytest.mark.parametrize("base_type", ["omni", "differential"])
 @given(st.lists(actions, min_size=1, max_size=25))
-def test_any_inputs_give_finite_commands_within_the_limits_of_speed_and_acceleration(
-    base_type: str, history
-) -> None:
+def test_any_inputs_give_finite_commands_within_the_limits_of_speed_and_acceleration(base_type: str, history) -> None:
     base = Base(BaseParameters())
     before, since = np.zeros(3), 0.0
     for kind, dt, vectors, flags, fault in history:

@@ -69,9 +69,7 @@ def test_the_table_names_what_limits(capsys: pytest.CaptureFixture[str]) -> None
 
 
 def test_file_and_settings_are_certified_as_json(capsys: pytest.CaptureFixture[str], config: Path) -> None:
-    done = tandem_here(
-        capsys, "certify", "--config", str(config), "--set", "contact_stiffness=300.0", "--json"
-    )
+    done = tandem_here(capsys, "certify", "--config", str(config), "--set", "contact_stiffness=300.0", "--json")
     found = json.loads(done.stdout)
     assert found["form"].startswith("rounded") and len(found["axes"]) == 6
     assert all(one["speed"] > 0 for one in found["axes"])
@@ -86,10 +84,7 @@ def test_file_and_settings_are_certified_as_json(capsys: pytest.CaptureFixture[s
         (["--force-error", "20"], ("25 N x", "20")),
         (["--set", "period=3.0"], ("period", "0.2")),
         (["--bogus"], ("--bogus",)),
-        *(
-            (["--orientation", text, "--json"], ("wanted a unit quaternion",))
-            for text in ("0,0,0,0", "0,0,1", "x")
-        ),
+        *((["--orientation", text, "--json"], ("wanted a unit quaternion",)) for text in ("0,0,0,0", "0,0,1", "x")),
     ],
 )
 def test_refusals_are_one_line_with_status_2(

@@ -14,9 +14,7 @@ TITLE = "certified, omnidirectional base"
 WHY = "no marker in sight: is it covered, or out of the picture? Or has somebody taken the panel away meanwhile?"
 
 
-def printed(
-    monkeypatch: pytest.MonkeyPatch, terminal: bool, width: int, shown: list[tuple[str, str]]
-) -> list[str]:
+def printed(monkeypatch: pytest.MonkeyPatch, terminal: bool, width: int, shown: list[tuple[str, str]]) -> list[str]:
     """The lines that are left on the screen, or were printed."""
     file = io.StringIO()
     console = Console(file=file, force_terminal=terminal, width=width, color_system=None)
@@ -32,17 +30,13 @@ def printed(
 
 
 @pytest.mark.parametrize("width", [80, 120])
-def test_on_a_terminal_the_reason_is_cut_off_where_the_line_ends(
-    monkeypatch: pytest.MonkeyPatch, width: int
-) -> None:
+def test_on_a_terminal_the_reason_is_cut_off_where_the_line_ends(monkeypatch: pytest.MonkeyPatch, width: int) -> None:
     (line,) = printed(monkeypatch, True, width, [("searching", WHY)])
     assert len(line) == width and line.endswith("…")
     assert line.startswith(TITLE) and "12.0 s" in line and "searching: no" in line
 
 
-def test_elsewhere_a_line_is_printed_for_other_words_and_not_for_other_numbers(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_elsewhere_a_line_is_printed_for_other_words_and_not_for_other_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     shown = [
         ("approaching", "going in, 0.25 m left"),
         ("approaching", "going in, 0.24 m left"),

@@ -15,15 +15,9 @@ from tests.support.ports import free_endpoint
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
-        (
-            ["hold", "0.5", "-0.3", "1", "0", "0", "0", "--force-limit", "-3"],
-            r"force_limit is \[-3.*above 0 N",
-        ),
+        (["hold", "0.5", "-0.3", "1", "0", "0", "0", "--force-limit", "-3"], r"force_limit is \[-3.*above 0 N"),
         (["hold", "0.5", "-0.3", "1"], "six numbers.*got 3"),
-        (
-            ["hold", "0", "0", "1", "0", "0", "0", "--torque-limit", "1,2"],
-            "--torque-limit '1,2'.*one number or three",
-        ),
+        (["hold", "0", "0", "1", "0", "0", "0", "--torque-limit", "1,2"], "--torque-limit '1,2'.*one number or three"),
         (["up", "--set", "law=1"], "--set 'law=1': wanted SERVICE.NAME=VALUE"),
         (["up", "--set", "viewer.x=1"], "'viewer' is no service of the stack"),
         (["up", "--with", "sim"], "--with 'sim': choose from base, task"),
@@ -77,9 +71,7 @@ def test_a_taken_port_is_named_with_another_choice(
 
 
 @pytest.mark.parametrize("command", [["status"], ["topic", "hz"], ["tare"], ["param", "get", "controller"]])
-def test_without_a_router_says_how_to_start_one(
-    command: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_without_a_router_says_how_to_start_one(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     done = tandem_here(capsys, *command, "--connect", free_endpoint())
     assert done.returncode == 1
     assert "no router at" in done.stderr

@@ -42,9 +42,7 @@ def jacobian(r: Array) -> Array:
     return np.hstack((np.eye(3), -skew(r)))
 
 
-def bound(
-    *zones: ContactZone, turn: float = 0.0, force: tuple[float, ...] = (0.0, 0.0, 0.0)
-) -> StiffnessBound:
+def bound(*zones: ContactZone, turn: float = 0.0, force: tuple[float, ...] = (0.0, 0.0, 0.0)) -> StiffnessBound:
     """The bound for zones around a tool whose axes are parallel to the base's."""
     found = StiffnessBound(zones)
     found.update(np.eye(3), turn, list(force))

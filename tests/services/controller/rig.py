@@ -71,13 +71,10 @@ class Rig:
     def publish(self, topic: Topic, message: Any, valid: bool = True) -> None:
         self.stack.client.publish(topic, message, valid)
 
-    def target(
-        self, offset: Any = (0.0, 0.0, 0.0), force: float = 10.0, torque: float = 3.0, **more: Any
-    ) -> None:
+    def target(self, offset: Any = (0.0, 0.0, 0.0), force: float = 10.0, torque: float = 3.0, **more: Any) -> None:
         """Wish for a pose beside home, with limits on force [N] and torque [Nm]."""
         self.publish(
-            CONTROL_TARGET,
-            ControlTarget(HOME + np.array(offset), (0, 0, 0, 1), (force,) * 3, (torque,) * 3, **more),
+            CONTROL_TARGET, ControlTarget(HOME + np.array(offset), (0, 0, 0, 1), (force,) * 3, (torque,) * 3, **more)
         )
 
     def run(self, duration: float) -> None:

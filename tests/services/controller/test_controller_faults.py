@@ -34,9 +34,7 @@ def stop(rig: Rig, active: bool, duration: float, reason: str = "", valid: bool 
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_silent_wrench_brakes_within_three_periods_and_recovers_when_only_the_transport_failed(
-    law: str,
-) -> None:
+def test_silent_wrench_brakes_within_three_periods_and_recovers_when_only_the_transport_failed(law: str) -> None:
     rig = moving(law=law)
     rig.wrench_on = False
     rig.run(0.035)
@@ -72,9 +70,7 @@ def test_sensor_failure_over_100_ms_is_latched_until_released(word: str) -> None
     assert rig.twist[0] > 0 and rig.status.state == "tracking"
 
 
-@pytest.mark.parametrize(
-    ("duration", "robot"), [(0.04, True), (2.0, False)], ids=["short", "the whole robot gone"]
-)
+@pytest.mark.parametrize(("duration", "robot"), [(0.04, True), (2.0, False)], ids=["short", "the whole robot gone"])
 def test_a_sensor_failure_that_is_short_or_the_robots_is_not_latched(duration: float, robot: bool) -> None:
     rig = moving()
     rig.ee_on = robot

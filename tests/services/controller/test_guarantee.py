@@ -21,10 +21,7 @@ def panel(**changes: object) -> ControllerParameters:
 
 @pytest.mark.parametrize(
     ("period", "linear", "angular"),
-    [
-        (0.036, (0.172, 0.132, 0.081), (0.262, 0.077, 0.122)),
-        (0.012, (0.515, 0.398, 0.243), (0.787, 0.232, 0.367)),
-    ],
+    [(0.036, (0.172, 0.132, 0.081), (0.262, 0.077, 0.122)), (0.012, (0.515, 0.398, 0.243), (0.787, 0.232, 0.367))],
 )
 def test_published_speeds_of_a_person_on_a_panel(period: float, linear: tuple, angular: tuple) -> None:
     """Without delay, lag and reserve these are ``min_j W_j / (Kbar_ji T)``; a reach widened for turning lowers them."""
@@ -44,16 +41,12 @@ def test_delay_and_lag_count_like_the_period() -> None:
 def test_excess_grows_with_the_environment_s_speed() -> None:
     slow, fast = (certificates(panel(), LIMIT, ERROR, speed) for speed in (0.1, 0.2))
     # Twice the speed, and twice as long to speed up to it.
-    assert all(
-        0 < 2 * one.excess < other.excess < 4 * one.excess for one, other in zip(slow, fast, strict=True)
-    )
+    assert all(0 < 2 * one.excess < other.excess < 4 * one.excess for one, other in zip(slow, fast, strict=True))
 
 
 def test_text_names_what_limits() -> None:
     text = as_text(panel(), LIMIT, ERROR)
-    assert all(
-        part in text for part in ("limit about x", "mm/s", "excess", "strict", "500 N/m", "1.05, 0.3, 0.05")
-    )
+    assert all(part in text for part in ("limit about x", "mm/s", "excess", "strict", "500 N/m", "1.05, 0.3, 0.05"))
 
 
 def test_map_has_what_the_excess_follows_from() -> None:
@@ -61,11 +54,7 @@ def test_map_has_what_the_excess_follows_from() -> None:
     zone = {"stiffness": 5000.0, "reach": (0.1, 0.05, 0.05)}
     found, turned = (
         as_map(
-            panel(contact_reach=reach, yield_start=0.8, zones=[zone]),
-            LIMIT,
-            ERROR,
-            0.1,
-            [rotation_from_vector(turn)],
+            panel(contact_reach=reach, yield_start=0.8, zones=[zone]), LIMIT, ERROR, 0.1, [rotation_from_vector(turn)]
         )
         for reach, turn in (((1.2, 0.3, 0.05), (0, 0, 0)), ((1.2, 0.05, 0.3), (np.pi / 2, 0, 0)))
     )

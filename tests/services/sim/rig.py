@@ -41,9 +41,7 @@ class Rig:
     def ask(self, **request: Any) -> dict[str, Any]:
         return self.stack.client.ask(topics.SIM_COMMAND, request)
 
-    def move(
-        self, linear: tuple[float, ...], duration: float, angular: tuple[float, ...] = (0, 0, 0)
-    ) -> None:
+    def move(self, linear: tuple[float, ...], duration: float, angular: tuple[float, ...] = (0, 0, 0)) -> None:
         """Command a twist at 100 Hz with a ttl of 20 ms."""
         end = self.stack.now + duration
         while self.stack.now < end - 1e-9:

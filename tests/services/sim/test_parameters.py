@@ -11,11 +11,7 @@ from shared.parameters import Refused
 def test_by_default_it_is_all_of_it_and_a_place_that_is_given_holds_in_every_scene() -> None:
     assert SimParameters().scene == "full"
     for scene in ("full", "carry"):
-        assert SimParameters.of({"scene": scene, "panel_position": [0.8, 0.0, 0.9]}).panel_position == (
-            0.8,
-            0.0,
-            0.9,
-        )
+        assert SimParameters.of({"scene": scene, "panel_position": [0.8, 0.0, 0.9]}).panel_position == (0.8, 0.0, 0.9)
     with pytest.raises(Refused, match="scene is 'sea', wanted one of 'full', 'load', 'carry'"):
         SimParameters.of({"scene": "sea"})
 

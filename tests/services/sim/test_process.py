@@ -13,9 +13,7 @@ from tests.support.wait import eventually
 pytestmark = pytest.mark.processes
 
 
-def test_images_are_rendered_elsewhere_and_only_for_those_who_look(
-    shared_router: Router, start: StartProcess
-) -> None:
+def test_images_are_rendered_elsewhere_and_only_for_those_who_look(shared_router: Router, start: StartProcess) -> None:
     client = Client(ZenohBus(connect=shared_router.endpoint))
     process = start("services.sim", "--connect", shared_router.endpoint, "--set", 'scene="carry"')
     eventually(lambda: "sim" in client.bus.living(), 20.0, "the simulator is alive")

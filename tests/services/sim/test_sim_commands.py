@@ -73,24 +73,15 @@ def test_reset_takes_bag_pushes_and_faults_away_and_the_arm_home(rig: Rig) -> No
         ({"command": "load", "mass": float("nan")}, "mass is nan"),
         ({"command": "load", "mass": True}, "mass is True"),
         ({"command": "push", "force": [1, 2], "duration": 1}, "force has 2 elements, wanted 3"),
-        (
-            {"command": "push", "force": [1, 2, 1e9], "duration": 1},
-            "every element -300 to 300 N",
-        ),
+        ({"command": "push", "force": [1, 2, 1e9], "duration": 1}, "every element -300 to 300 N"),
         ({"command": "push", "torque": "much", "duration": 1}, "torque is 'much'"),
         ({"command": "push", "force": [1, 2, 3]}, "duration is missing"),
         ({"command": "fault", "target": "camera", "kind": "off"}, "no panel"),
         ({"command": "fault", "target": "camera", "kind": "bias", "value": 1}, "no panel"),
-        (
-            {"command": "fault", "target": "wheels", "kind": "off"},
-            "wanted one of ft, camera, joints",
-        ),
+        ({"command": "fault", "target": "wheels", "kind": "off"}, "wanted one of ft, camera, joints"),
         ({"command": "fault", "target": "ft", "kind": "sad"}, "off, stuck, garbage, bias, delay, ok"),
         ({"command": "fault", "target": "ft", "kind": "delay", "value": -1}, "value is -1"),
-        (
-            {"command": "fault", "target": "ft", "kind": "bias", "value": [1, 2]},
-            "value has 2 elements, wanted 6",
-        ),
+        ({"command": "fault", "target": "ft", "kind": "bias", "value": [1, 2]}, "value has 2 elements, wanted 6"),
         ({"command": "fault", "target": "ft", "kind": "bias"}, "value"),
     ],
 )

@@ -94,11 +94,7 @@ START = (0.5, -0.3, 1.0)
 
 @pytest.mark.parametrize(
     ("scene", "start", "edge"),
-    [
-        ("full", START, (0.64, -0.27, 0.78)),
-        ("load", START, None),
-        ("carry", (0.45, -0.39, 0.78), (0.57, -0.39, 0.78)),
-    ],
+    [("full", START, (0.64, -0.27, 0.78)), ("load", START, None), ("carry", (0.45, -0.39, 0.78), (0.57, -0.39, 0.78))],
 )
 def test_each_scene_has_its_start_and_its_panel(
     scene: str, start: tuple[float, ...], edge: tuple[float, ...] | None

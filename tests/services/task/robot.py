@@ -89,9 +89,7 @@ class Robot:
         wrench = toy.wrench
         messages: list[tuple[topics.Topic, Record, bool]] = [(topics.STATE_EE, self._tool(), True)]
         if number % self.every == 0:
-            felt = ExternalWrench(
-                wrench[:3], wrench[3:], np.full(6, 0.2), self.compensation, self.wrench_fault
-            )
+            felt = ExternalWrench(wrench[:3], wrench[3:], np.full(6, 0.2), self.compensation, self.wrench_fault)
             messages.append((topics.WRENCH_EXTERNAL, felt, not self.wrench_fault))
             messages.append((topics.CONTROL_STATUS, self._status(), True))
         if number % 5 == 0:

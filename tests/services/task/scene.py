@@ -112,14 +112,7 @@ def message(picture: Array, camera: Camera | None = None, encoding: str = "jpeg"
     else:
         data = np.repeat(picture[:, :, None], 3, axis=2).tobytes()
     return CameraImage(
-        WIDTH,
-        HEIGHT,
-        encoding,
-        data,
-        INTRINSICS,
-        camera.distortion,
-        camera.pose.position,
-        camera.pose.orientation,
+        WIDTH, HEIGHT, encoding, data, INTRINSICS, camera.distortion, camera.pose.position, camera.pose.orientation
     )
 
 

@@ -73,9 +73,7 @@ class Surroundings(StandIn):
     def targets(self, since: int) -> list[ControlTarget]:
         """All targets, at least one."""
         received = self.robot.received[CONTROL_TARGET.key]
-        return eventually(
-            lambda: [r.message for r in tuple(received) if r.header.stamp >= since], 30.0, "a target"
-        )
+        return eventually(lambda: [r.message for r in tuple(received) if r.header.stamp >= since], 30.0, "a target")
 
     def begun(self, state: str) -> None:
         """Start, and wait for a state."""

@@ -103,9 +103,7 @@ def test_the_gripper_does_not_close_while_the_tool_moves(moving: dict[str, float
     play.to(State.GRASPING, 1.0)
 
 
-def test_an_arm_that_may_hide_the_panel_is_taken_out_of_the_picture_once_the_head_has_looked_all_around() -> (
-    None
-):
+def test_an_arm_that_may_hide_the_panel_is_taken_out_of_the_picture_once_the_head_has_looked_all_around() -> None:
     play = MachineRig()
     lookout = Pose.from_rpy(play.settings.lookout_position, play.settings.lookout_rpy)
     play.toy.marker, play.changed = None, {"doubt": TaskFault("marker_missing")}

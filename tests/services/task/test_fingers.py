@@ -47,14 +47,7 @@ def do(play: MachineRig, what: str) -> None:
         play.faults, play.changed = [], {}
 
 
-ENDS = (
-    "abort",
-    "abort, abort",
-    "stop, abort",
-    "stop out of sight",
-    "pose lost, abort, abort",
-    "abort, reset",
-)
+ENDS = ("abort", "abort, abort", "stop, abort", "stop out of sight", "pose lost, abort, abort", "abort, reset")
 
 
 @pytest.mark.parametrize(

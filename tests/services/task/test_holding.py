@@ -36,8 +36,7 @@ def test_lost_from_the_gripper_it_holds_and_carries_nothing_by_agreement(held_be
 
 @pytest.mark.parametrize("first", ["fault", "release"])
 @pytest.mark.parametrize(
-    "name",
-    ["untared", "unidentified", "wrench_invalid", "wrench_never", "controller_braking", "gripper_silent"],
+    "name", ["untared", "unidentified", "wrench_invalid", "wrench_never", "controller_braking", "gripper_silent"]
 )
 def test_no_fault_of_a_sensor_keeps_the_panel_from_who_asks_twice(name: str, first: str) -> None:
     play = MachineRig().lifted()
@@ -74,9 +73,7 @@ def test_carrying_on_remembers_how_far_the_panel_was_turned() -> None:
     assert math.degrees(play.machine.rotation) == pytest.approx(45.0, abs=1.0)
     turned_by(play, 80.0)
     play.tick()
-    assert play.decision.target.rpy[0] == pytest.approx(START.rpy[0] + math.pi / 2, abs=1.01 * LEEWAY), (
-        "it snaps"
-    )
+    assert play.decision.target.rpy[0] == pytest.approx(START.rpy[0] + math.pi / 2, abs=1.01 * LEEWAY), "it snaps"
     play.toy.far_height = play.toy.stands
     play.to(State.DONE)
     assert math.degrees(play.toy.tool.rpy[0] - START.rpy[0]) == pytest.approx(90.0, abs=16.0)

@@ -53,9 +53,7 @@ def test_nothing_held_removes_it(tmp_path: Path) -> None:
     assert journal.read(1) is None and not journal.problem
 
 
-def test_the_last_run_of_the_robot_is_found_and_goes_with_the_next_entry_or_without_one(
-    tmp_path: Path,
-) -> None:
+def test_the_last_run_of_the_robot_is_found_and_goes_with_the_next_entry_or_without_one(tmp_path: Path) -> None:
     for session in range(5):
         Journal(tmp_path).write(session, ENTRY.replaced(session=session), 0.0)
         assert [path.name for path in tmp_path.iterdir()] == [f"{session}.json"]

@@ -96,9 +96,7 @@ def test_a_panel_on_the_ground_is_neither_dragged_home_nor_pressed_upright() -> 
     play.toy.stands, play.toy.roll_rate = 0.0, -0.8
     play.to(State.CARRYING, 3.0)
     target = play.tick().target
-    assert target.position[:2] == pytest.approx(home.position[:2], abs=1e-9), (
-        "while it is carried, that is home"
-    )
+    assert target.position[:2] == pytest.approx(home.position[:2], abs=1e-9), "while it is carried, that is home"
     assert target.rpy[2] == pytest.approx(home.rpy[2], abs=1e-9)
 
 

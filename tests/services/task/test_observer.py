@@ -10,15 +10,7 @@ from services.task.parameters import TaskParameters
 from services.task.states import Observation
 from services.task.vision.marker_tracker import MarkerTracker
 from shared import topics
-from shared.messages import (
-    ControlStatus,
-    EndEffector,
-    ExternalWrench,
-    GripperState,
-    Header,
-    RobotStatus,
-    Stop,
-)
+from shared.messages import ControlStatus, EndEffector, ExternalWrench, GripperState, Header, RobotStatus, Stop
 from shared.schema.records import Record
 from shared.service import Inputs, Reading
 
@@ -41,9 +33,7 @@ def reading(message: Record, age: float = 0.01, valid: bool = True) -> Reading:
     return Reading(message, Header(5, 1, 0, valid), age, True)
 
 
-def look(
-    changed: dict[topics.Topic, Reading], observer: Observer | None = None
-) -> tuple[Observation, set[str]]:
+def look(changed: dict[topics.Topic, Reading], observer: Observer | None = None) -> tuple[Observation, set[str]]:
     """What is seen, and the names of the faults; the marker's are left out."""
     readings = {topic.key: reading(message) for topic, message in HEALTHY.items()}
     readings |= {topic.key: changed[topic] for topic in changed}

@@ -34,10 +34,7 @@ def test_the_grasp_is_the_middle_of_the_panel_s_edge() -> None:
 
 def test_the_gripper_can_do_what_the_task_wants() -> None:
     task = TaskParameters()
-    assert (
-        task.gripper_open <= GRIPPER_RANGES["opening"][1]
-        and task.gripper_effort <= GRIPPER_RANGES["effort"][1]
-    )
+    assert task.gripper_open <= GRIPPER_RANGES["opening"][1] and task.gripper_effort <= GRIPPER_RANGES["effort"][1]
 
 
 @pytest.mark.parametrize("scene", ["full", "carry"])

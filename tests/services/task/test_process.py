@@ -10,12 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shared.topics import (
-    BASE_ENABLE,
-    COMMAND_GRIPPER,
-    CONTROL_TARGET,
-    TASK_STATUS,
-)
+from shared.topics import BASE_ENABLE, COMMAND_GRIPPER, CONTROL_TARGET, TASK_STATUS
 from tests.conftest import Router, StartProcess
 from tests.services.cli.command import tandem
 from tests.services.task.surroundings import Surroundings
@@ -83,9 +78,7 @@ def test_killed_and_restarted_while_carrying_it_goes_on_and_ended_it_keeps_the_p
 
     def journalled() -> bool:
         # Written once a second: a restart goes by it, and not by what the tool did since.
-        kept = [
-            json.loads(path.read_text()) for path in (tmp_path / "tandem" / "tiago" / "task").glob("*.json")
-        ]
+        kept = [json.loads(path.read_text()) for path in (tmp_path / "tandem" / "tiago" / "task").glob("*.json")]
         target = around.robot.last(CONTROL_TARGET)
         return any(np.allclose(entry["target"][:3], target.position, atol=0.01) for entry in kept)
 

@@ -68,9 +68,7 @@ def test_every_condition_of_the_release_counts(name: str) -> None:
 
 def test_a_tool_that_points_down_does_not_keep_a_panel_that_stands() -> None:
     """The panel turned between the fingers: the tool's height says that its near end is down."""
-    assert probes(replace(STANDING, pitch=math.radians(12))) and releases(
-        replace(STANDING, pitch=math.radians(12))
-    )
+    assert probes(replace(STANDING, pitch=math.radians(12))) and releases(replace(STANDING, pitch=math.radians(12)))
 
 
 def test_a_person_s_word_replaces_the_pose_but_not_the_force() -> None:

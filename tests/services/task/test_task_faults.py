@@ -200,9 +200,7 @@ def test_a_camera_that_lags_all_the_time_is_not_gone_by() -> None:
     rig.until("approaching", 5.0)
 
 
-def test_images_that_opencv_cannot_work_on_are_of_no_use_and_end_nothing(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_images_that_opencv_cannot_work_on_are_of_no_use_and_end_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     rig = Rig().begun().until("approaching")
     image = rig.robot._sent
     assert image is not None

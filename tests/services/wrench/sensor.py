@@ -51,9 +51,7 @@ class Sensor:
         """Noisy reading (6,)."""
         return self.exact(rotation, external) + self.noise * self._random.standard_normal(6)
 
-    def sample(
-        self, rotation: Array = LEVEL, external: Array | None = None, saturated: bool = False
-    ) -> FtSample:
+    def sample(self, rotation: Array = LEVEL, external: Array | None = None, saturated: bool = False) -> FtSample:
         """A noisy reading as a message."""
         reading = self.reading(rotation, external)
         return FtSample(reading[:3], reading[3:], quaternion(rotation), TOOL_OFFSET, saturated)

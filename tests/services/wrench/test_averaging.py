@@ -14,9 +14,7 @@ from tests.services.wrench.sensor import LEVEL, NOISE, NOISE_BOUND, Sensor
 DT = 0.01
 
 
-def averaged(
-    readings: list[Array], rotations: list[Array] | None = None, duration: float | None = None
-) -> Average:
+def averaged(readings: list[Array], rotations: list[Array] | None = None, duration: float | None = None) -> Average:
     window = AveragingWindow(duration or DT * (len(readings) - 1) - 1e-9, NOISE_BOUND)
     full = [window.add(r, R, DT) for r, R in zip(readings, rotations or [LEVEL] * len(readings), strict=True)]
     assert full == [False] * (len(full) - 1) + [True]

@@ -46,9 +46,7 @@ def test_none_subtracts_nothing() -> None:
 
 
 @given(turn=vectors, external=wrenches)
-def test_known_payload_leaves_exactly_what_the_environment_exerts(
-    turn: np.ndarray, external: np.ndarray
-) -> None:
+def test_known_payload_leaves_exactly_what_the_environment_exerts(turn: np.ndarray, external: np.ndarray) -> None:
     sensor, rotation = Sensor(), rotation_from_vector(turn)
     known = Compensation("payload", bias=sensor.bias, mass=sensor.mass, moment=sensor.mass * sensor.com)
     assert external_wrench(sensor.exact(rotation, external), known, rotation, TOOL_OFFSET) == pytest.approx(
@@ -64,9 +62,7 @@ def test_tare_is_exact_where_it_was_made_and_under_any_heading(
     tared = Compensation().tared(sensor.exact(rotation), np.zeros(6), np.zeros(6), rotation)
     assert tared.kind == "tare"
     now = rotation_from_vector((0.0, 0.0, heading)) @ rotation
-    assert external_wrench(sensor.exact(now, external), tared, now, TOOL_OFFSET) == pytest.approx(
-        external, abs=1e-9
-    )
+    assert external_wrench(sensor.exact(now, external), tared, now, TOOL_OFFSET) == pytest.approx(external, abs=1e-9)
 
 
 def test_tare_keeps_an_identified_payload_and_measures_the_bias_anew() -> None:

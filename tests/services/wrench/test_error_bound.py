@@ -25,31 +25,21 @@ def transported(box: Array, rotation: Array) -> Array:
 
 
 def bound(compensation: Compensation, rotation: Array) -> Array:
-    return error_bound(
-        compensation, rotation, transport(rotation, TOOL_OFFSET), NOISE_BOUND, BIAS_BOUND, 0.83, 0.1
-    )
+    return error_bound(compensation, rotation, transport(rotation, TOOL_OFFSET), NOISE_BOUND, BIAS_BOUND, 0.83, 0.1)
 
 
 @given(turn=vectors, signs=signs)
-def test_transport_of_a_box_contains_its_corners_and_touches_one_per_axis(
-    turn: np.ndarray, signs: np.ndarray
-) -> None:
+def test_transport_of_a_box_contains_its_corners_and_touches_one_per_axis(turn: np.ndarray, signs: np.ndarray) -> None:
     rotation, box = rotation_from_vector(turn), NOISE_BOUND
     limit = transported(box, rotation)
-    assert np.all(
-        np.abs(external_wrench(signs * box, Compensation(), rotation, TOOL_OFFSET)) <= limit + 1e-12
-    )
-    columns = np.array(
-        [external_wrench(unit, Compensation(), rotation, TOOL_OFFSET) for unit in np.diag(box)]
-    )
+    assert np.all(np.abs(external_wrench(signs * box, Compensation(), rotation, TOOL_OFFSET)) <= limit + 1e-12)
+    columns = np.array([external_wrench(unit, Compensation(), rotation, TOOL_OFFSET) for unit in np.diag(box)])
     worst = np.abs(columns).sum(axis=0)
     assert limit == pytest.approx(worst)
 
 
 @given(field=vectors, lever=vectors)
-def test_unknown_weight_covers_every_place_of_the_centre_of_mass(
-    field: np.ndarray, lever: np.ndarray
-) -> None:
+def test_unknown_weight_covers_every_place_of_the_centre_of_mass(field: np.ndarray, lever: np.ndarray) -> None:
     lever = 0.1 * lever / max(1.0, float(np.linalg.norm(lever)))
     exact = np.concatenate((0.8 * field, np.cross(lever, 0.8 * field)))
     assert np.all(np.abs(exact) <= unknown_weight(0.8, 0.1, tuple(field)) + 1e-12)
@@ -65,9 +55,7 @@ def test_untared_reading_is_within_its_bound(turn: np.ndarray, bias: np.ndarray,
 
 
 @given(tare=vectors, turn=vectors, noise=inside)
-def test_tared_reading_is_within_its_bound_at_every_tilt(
-    tare: np.ndarray, turn: np.ndarray, noise: np.ndarray
-) -> None:
+def test_tared_reading_is_within_its_bound_at_every_tilt(tare: np.ndarray, turn: np.ndarray, noise: np.ndarray) -> None:
     sensor, there, here = Sensor(), rotation_from_vector(tare), rotation_from_vector(turn)
     tared = Compensation().tared(sensor.exact(there), np.zeros(6), np.zeros(6), there)
     reading = sensor.exact(here) + noise * NOISE_BOUND

@@ -19,14 +19,10 @@ def about(axis: str, *angles: float) -> list[np.ndarray]:
 
 
 @given(
-    mass=st.floats(0.3, 5.0),
-    com=st.tuples(*[st.floats(-0.2, 0.2)] * 3),
-    bias=st.tuples(*[st.floats(-5.0, 5.0)] * 6),
+    mass=st.floats(0.3, 5.0), com=st.tuples(*[st.floats(-0.2, 0.2)] * 3), bias=st.tuples(*[st.floats(-5.0, 5.0)] * 6)
 )
 @settings(max_examples=50)
-def test_exact_readings_give_the_exact_payload(
-    mass: float, com: tuple[float, ...], bias: tuple[float, ...]
-) -> None:
+def test_exact_readings_give_the_exact_payload(mass: float, com: tuple[float, ...], bias: tuple[float, ...]) -> None:
     sensor = Sensor(mass, np.array(com), np.array(bias))
     poses = [Average(sensor.exact(rotation), np.zeros(6), 100, rotation) for rotation in TILTED]
     result = identify(poses)

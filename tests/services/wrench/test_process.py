@@ -50,9 +50,7 @@ def test_a_tare_over_the_router_outlives_the_process(
         first.kill()
         wrenches.clear()
         launch()
-        eventually(
-            lambda: any(r.header.valid for r in wrenches), 20.0, "a valid wrench of the second process"
-        )
+        eventually(lambda: any(r.header.valid for r in wrenches), 20.0, "a valid wrench of the second process")
         for message in (received.message for received in tuple(wrenches) if received.header.valid):
             assert message.compensation == "tare"
             assert np.all(np.abs(message.force - external[:3]) <= 1.0)

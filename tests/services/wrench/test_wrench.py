@@ -45,9 +45,7 @@ def test_tare_then_load() -> None:
     answer = rig.tare()
     assert answer["ok"] is True
     assert answer["samples"] == pytest.approx(101, abs=1)
-    assert np.array(answer["force"] + answer["torque"]) == pytest.approx(
-        rig.sensor.exact(rig.rotation), abs=0.05
-    )
+    assert np.array(answer["force"] + answer["torque"]) == pytest.approx(rig.sensor.exact(rig.rotation), abs=0.05)
     assert np.array(answer["std"]) == pytest.approx(rig.sensor.noise, rel=0.3)
     rig.external = BAG
     rig.settle(1.0)

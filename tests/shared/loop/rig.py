@@ -152,10 +152,7 @@ class BusyLoop:
         self.service.on_step = lambda inputs: self.clock.advance(self.cost)
 
     def deliver(self, age: float = 0.0) -> None:
-        for topic, publisher, message in (
-            (WRENCH_EXTERNAL, self.wrench, wrench()),
-            (STATE_EE, self.ee, tool()),
-        ):
+        for topic, publisher, message in ((WRENCH_EXTERNAL, self.wrench, wrench()), (STATE_EE, self.ee, tool())):
             subscription = self.runner.subscriptions.get(topic.key)
             if subscription is not None:
                 subscription.offer(publisher.payload(message, stamp=publisher.stamp() - round(age * 1e9)))

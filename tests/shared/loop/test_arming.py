@@ -40,9 +40,7 @@ def test_a_fault_begins_the_start_up_again() -> None:
     assert kinds(arming, (0.0, True), (0.4, False), (0.41, True), (0.9, True))[-1] is FaultKind.ARMING
 
 
-@pytest.mark.parametrize(
-    ("lasts", "answer"), [(0.5 * REARM_AFTER, None), (1.5 * REARM_AFTER, FaultKind.ARMING)]
-)
+@pytest.mark.parametrize(("lasts", "answer"), [(0.5 * REARM_AFTER, None), (1.5 * REARM_AFTER, FaultKind.ARMING)])
 def test_only_a_lasting_fault_needs_a_new_start_up(lasts: float, answer: FaultKind | None) -> None:
     assert kinds(armed(), (1.0, False), (1.0 + lasts, False), (1.01 + lasts, True))[-1] is answer
 

@@ -7,14 +7,7 @@ import math
 import pytest
 
 from shared.messages import Health, JointState
-from shared.topics import (
-    CONTROL_TARGET,
-    STATE_EE,
-    STATE_JOINTS,
-    WRENCH_EXTERNAL,
-    Topic,
-    health_topic,
-)
+from shared.topics import CONTROL_TARGET, STATE_EE, STATE_JOINTS, WRENCH_EXTERNAL, Topic, health_topic
 from tests.shared.loop.rig import Rig
 from tests.shared.rig import target, tool, wrench
 

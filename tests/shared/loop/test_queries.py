@@ -12,11 +12,7 @@ from hypothesis import strategies as st
 from shared.parameters import Refused
 from shared.requests import Nothing, Tare, Tared
 from shared.schema.records import Record
-from shared.topics import (
-    CONTROL_PARAMETERS,
-    TASK_COMMAND,
-    WRENCH_TARE,
-)
+from shared.topics import CONTROL_PARAMETERS, TASK_COMMAND, WRENCH_TARE
 from shared.wire.bus import NoReply
 from shared.wire.codec import encode_map
 from tests.shared.loop.rig import Rig
@@ -90,9 +86,7 @@ def test_a_malformed_request_is_refused_and_ends_nothing(request_bytes: bytes) -
     assert rig.stack.client.ask(CONTROL_PARAMETERS)["ok"]
 
 
-@pytest.mark.parametrize(
-    "problem", [TypeError("x"), KeyError("duration"), ValueError("x"), AttributeError("x")]
-)
+@pytest.mark.parametrize("problem", [TypeError("x"), KeyError("duration"), ValueError("x"), AttributeError("x")])
 def test_a_request_that_trips_the_service_is_refused_and_ends_nothing(problem: Exception) -> None:
     rig = Rig()
 
@@ -141,9 +135,7 @@ def test_a_flood_of_queries_does_not_keep_the_loop_from_stepping(rig: Rig) -> No
 
     def flood() -> None:
         for _ in range(20):
-            rig.stack.bus.query_later(
-                WRENCH_TARE.key, b"", lambda reply: answered.append(len(rig.service.calls))
-            )
+            rig.stack.bus.query_later(WRENCH_TARE.key, b"", lambda reply: answered.append(len(rig.service.calls)))
         rig.stack.scheduler.at(rig.stack.scheduler.clock.now_ns() + 1_000_000, flood)
 
     flood()
@@ -167,10 +159,7 @@ def test_more_requests_than_fit_are_refused_not_queued() -> None:
         inbox(b"", replies.append)
     assert len(replies) == 1000 - 32
     for refusal in map(msgpack.unpackb, replies):
-        assert refusal == {
-            "ok": False,
-            "error": "wrench/tare: 32 requests are waiting already; ask again later",
-        }
+        assert refusal == {"ok": False, "error": "wrench/tare: 32 requests are waiting already; ask again later"}
     rig.stack.run(1.0)
     assert [msgpack.unpackb(reply)["ok"] for reply in replies[1000 - 32 :]] == [True] * 32
 

@@ -10,14 +10,7 @@ from shared.faults import FaultKind
 from shared.loop.runner import LONGEST_DT
 from shared.loop.stack import Stack
 from shared.service import Reading
-from shared.topics import (
-    COMMAND_EE_TWIST,
-    CONTROL_TARGET,
-    SENSOR_FT,
-    STATE_EE,
-    STATE_JOINTS,
-    WRENCH_EXTERNAL,
-)
+from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, STATE_EE, STATE_JOINTS, WRENCH_EXTERNAL
 from tests.shared.loop.rig import Recorder, Rig, Source
 from tests.shared.rig import ft_sample, target, tool, wrench
 
@@ -34,9 +27,7 @@ def test_without_inputs_it_brakes_and_waits() -> None:
 
 
 @pytest.mark.parametrize("order", list(itertools.permutations(("service", "wrench", "ee"))))
-def test_it_moves_only_after_half_a_second_of_healthy_inputs_in_any_start_order(
-    order: tuple[str, ...],
-) -> None:
+def test_it_moves_only_after_half_a_second_of_healthy_inputs_in_any_start_order(order: tuple[str, ...]) -> None:
     stack = Stack()
     service = Recorder()
     healthy_at = 0.0

@@ -9,19 +9,12 @@ import pytest
 
 from shared.faults import FaultKind
 from shared.messages import TwistCommand
-from shared.topics import (
-    CONTROL_TARGET,
-    STATE_EE,
-    WRENCH_EXTERNAL,
-    Topic,
-)
+from shared.topics import CONTROL_TARGET, STATE_EE, WRENCH_EXTERNAL, Topic
 from tests.shared.loop.rig import Rig, speed
 from tests.shared.rig import wrench
 
 
-@pytest.mark.parametrize(
-    ("lost", "topic", "limit"), [("driver", WRENCH_EXTERNAL, 0.03), ("ee", STATE_EE, 0.1)]
-)
+@pytest.mark.parametrize(("lost", "topic", "limit"), [("driver", WRENCH_EXTERNAL, 0.03), ("ee", STATE_EE, 0.1)])
 def test_a_silent_input_brakes_when_its_age_is_over(rig: Rig, lost: str, topic: Topic, limit: float) -> None:
     getattr(rig, lost).on = False
     silent_since = rig.stack.now
@@ -102,18 +95,13 @@ def fails(problem: Exception) -> Callable[[], object]:
 @pytest.mark.parametrize(
     ("step", "says"),
     [
-        *(
-            (fails(kind("x")), kind.__name__)
-            for kind in (ZeroDivisionError, ValueError, KeyError, OverflowError)
-        ),
+        *((fails(kind("x")), kind.__name__) for kind in (ZeroDivisionError, ValueError, KeyError, OverflowError)),
         # An output that is not finite cannot be built.
         (lambda: TwistCommand((math.nan, 0.0, 0.0), (0.0, 0.0, 0.0)), "linear is nan"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
-def test_an_exception_in_a_step_brakes_in_the_same_tick(
-    rig: Rig, step: Callable[[], object], says: str
-) -> None:
+def test_an_exception_in_a_step_brakes_in_the_same_tick(rig: Rig, step: Callable[[], object], says: str) -> None:
 
     def fail(_inputs: object) -> None:
         rig.service.on_step = lambda inputs: None

@@ -28,9 +28,7 @@ def record(seconds: float, latency: float) -> list[tuple[int, str, dict]]:
         tap(key)
     stack.add(Recorder(name="one"))
     stack.add(
-        Recorder(
-            name="two", driver=0.007, required=(STATE_EE,), optional=(SENSOR_FT,), queries=(), parameters=None
-        )
+        Recorder(name="two", driver=0.007, required=(STATE_EE,), optional=(SENSOR_FT,), queries=(), parameters=None)
     )
     Source(stack, WRENCH_EXTERNAL, wrench)
     Source(stack, STATE_EE, tool, 0.004)

@@ -67,12 +67,7 @@ def test_an_excess_is_shortened_as_a_whole_and_counted(
     ("limits", "asked", "ttl", "limit"),
     [
         (DIFFERENTIAL, (-0.5, 0.0, 0.0), 0.1, "backwards over 0.2 m/s"),
-        (
-            DIFFERENTIAL,
-            (1.5, 0.1, 3.0),
-            0.1,
-            "forwards over 1 m/s and sideways over 0 m/s and turning over 2 rad/s",
-        ),
+        (DIFFERENTIAL, (1.5, 0.1, 3.0), 0.1, "forwards over 1 m/s and sideways over 0 m/s and turning over 2 rad/s"),
         (OMNI, (0.6, 0.0, 0.9), 0.1, "forwards and turning together over 0.5 of their limits"),
         (OMNI, (0.0, 0.0, -3.0), 0.1, "turning over 1.4 rad/s"),
         (OMNI, (0.1, 0.0, 0.0), 0.5, "ttl over 0.2 s"),
@@ -114,9 +109,7 @@ def test_a_stop_slows_it_down_at_once_and_stays() -> None:
     gate = BaseGate(DIFFERENTIAL)
     run(gate, 1.0, 0.4, 0.0, 0.0)
     gate.stop(True)
-    assert run(gate, 0.5, 0.4, 0.0, 0.0)[:, 0] == pytest.approx(
-        np.maximum(0.4 - DT * np.arange(1, 251), 0.0), abs=1e-9
-    )
+    assert run(gate, 0.5, 0.4, 0.0, 0.0)[:, 0] == pytest.approx(np.maximum(0.4 - DT * np.arange(1, 251), 0.0), abs=1e-9)
     gate.stop(False)
     assert run(gate, 0.1, 0.4, 0.0, 0.0)[-1, 0] > 0.0
 
@@ -131,9 +124,7 @@ def test_a_stop_slows_it_down_at_once_and_stays() -> None:
     ],
     ids=["NaN", "endless", "late", "invalid"],
 )
-def test_what_is_no_command_means_stop(
-    velocity: tuple[float, ...], ttl: float, age: float, valid: bool
-) -> None:
+def test_what_is_no_command_means_stop(velocity: tuple[float, ...], ttl: float, age: float, valid: bool) -> None:
     gate = BaseGate(DIFFERENTIAL)
     run(gate, 0.5, 0.2, 0.0, 0.0)
     gate.command(np.array(velocity), ttl, age, valid)
@@ -151,9 +142,7 @@ def test_a_longer_ttl_than_allowed_is_cut() -> None:
 
 @given(
     st.lists(
-        st.tuples(*[st.floats(-1e6, 1e6)] * 3, st.floats(0.001, 0.3), st.floats(0.0, 0.3)),
-        min_size=1,
-        max_size=30,
+        st.tuples(*[st.floats(-1e6, 1e6)] * 3, st.floats(0.001, 0.3), st.floats(0.0, 0.3)), min_size=1, max_size=30
     )
 )
 def test_whatever_is_asked_stays_within_speed_and_acceleration(commands: list[tuple[float, ...]]) -> None:

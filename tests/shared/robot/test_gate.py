@@ -18,9 +18,7 @@ DT = 0.002
 FORWARDS = (0.1, 0.0, 0.0)
 ROUNDING = 1e-9
 
-anything = (
-    st.floats(allow_nan=True, allow_infinity=True) | st.floats(-1, 1) | st.sampled_from((0.0, 1e-320, 1e308))
-)
+anything = st.floats(allow_nan=True, allow_infinity=True) | st.floats(-1, 1) | st.sampled_from((0.0, 1e-320, 1e308))
 ordinary = st.floats(-1.0, 1.0)
 
 
@@ -35,9 +33,7 @@ class Command:
 
 def commands(number: st.SearchStrategy[float]) -> st.SearchStrategy[Command]:
     vector = st.tuples(number, number, number)
-    return st.builds(
-        Command, vector, vector, anything | st.floats(0.001, 0.3), anything | st.just(0.0), st.booleans()
-    )
+    return st.builds(Command, vector, vector, anything | st.floats(0.001, 0.3), anything | st.just(0.0), st.booleans())
 
 
 events = st.lists(
@@ -52,9 +48,7 @@ events = st.lists(
 )
 
 
-def ask(
-    gate: Gate, linear: tuple[float, ...], angular: tuple[float, ...] = (0, 0, 0), ttl: float = 0.1
-) -> None:
+def ask(gate: Gate, linear: tuple[float, ...], angular: tuple[float, ...] = (0, 0, 0), ttl: float = 0.1) -> None:
     gate.command(np.array(linear, float), np.array(angular, float), ttl, age=0.0)
 
 
@@ -71,9 +65,7 @@ def run(gate: Gate, steps: int) -> np.ndarray:
 
 @settings(max_examples=400)
 @given(events)
-def test_for_any_sequence_the_executed_twist_is_within_every_limit(
-    sequence: list[Command | float | bool],
-) -> None:
+def test_for_any_sequence_the_executed_twist_is_within_every_limit(sequence: list[Command | float | bool]) -> None:
     gate = Gate(LIMITS)
     before = np.zeros(6)
     stopped = False

@@ -108,9 +108,4 @@ def test_kinds_of_integers_and_booleans_accept_numpy() -> None:
     assert Boolean().check(np.bool_(True), "valid") is True
     with pytest.raises(InvalidField):
         Integer().check(np.float64(3.0), "seq")
-    assert Header(np.int64(1), 2, 3, np.True_).to_plain() == {
-        "seq": 1,
-        "session": 2,
-        "stamp": 3,
-        "valid": True,
-    }
+    assert Header(np.int64(1), 2, 3, np.True_).to_plain() == {"seq": 1, "session": 2, "stamp": 3, "valid": True}

@@ -28,9 +28,7 @@ def payload(**fields: Any) -> bytes:
     return msgspec.msgpack.encode({"seq": 0, "session": 1, "stamp": 2, "valid": True, **fields})
 
 
-@pytest.mark.parametrize(
-    "fields", [{"number": 0.5}, {"number": 2.5}, {"vector": [0.0, 1.5]}, {"vector": [-2.0, 0.0]}]
-)
+@pytest.mark.parametrize("fields", [{"number": 0.5}, {"number": 2.5}, {"vector": [0.0, 1.5]}, {"vector": [-2.0, 0.0]}])
 def test_a_bound_holds_alike_for_what_is_built_and_for_what_is_decoded(fields: dict[str, Any]) -> None:
     (name,) = fields
     with pytest.raises(InvalidField, match=name):

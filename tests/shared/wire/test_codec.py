@@ -225,12 +225,7 @@ def test_oversized_payloads_are_rejected_unread(size: int) -> None:
 
 
 def test_length_claims_beyond_the_payload_are_rejected() -> None:
-    for claim in (
-        b"\xdf\xff\xff\xff\xff",
-        b"\xdd\xff\xff\xff\xff",
-        b"\xc6\xff\xff\xff\xff",
-        b"\xdb\x7f\xff\xff\xff",
-    ):
+    for claim in (b"\xdf\xff\xff\xff\xff", b"\xdd\xff\xff\xff\xff", b"\xc6\xff\xff\xff\xff", b"\xdb\x7f\xff\xff\xff"):
         with pytest.raises(Rejected):
             decode(FtSample, claim)
 

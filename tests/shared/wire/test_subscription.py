@@ -162,10 +162,7 @@ def test_a_message_repeated_for_ever_never_counts_as_new(feed: Feed) -> None:
 def test_threads_may_offer_at_once(feed: Feed) -> None:
     """Whatever the interleaving: each message is accepted once or counted as out of order, and the newest wins."""
     count, threads = 500, 4
-    payloads = [
-        feed.first.payload(ft_sample(), stamp=feed.first.stamp() + number)
-        for number in range(count * threads)
-    ]
+    payloads = [feed.first.payload(ft_sample(), stamp=feed.first.stamp() + number) for number in range(count * threads)]
     barrier = threading.Barrier(threads)
 
     def offer(part: int) -> None:
@@ -185,12 +182,7 @@ def test_threads_may_offer_at_once(feed: Feed) -> None:
 
 
 def test_headers_of_extreme_integers_do_no_harm(feed: Feed) -> None:
-    for seq, session, stamp in (
-        (0, 0, 2**64 - 1),
-        (2**64 - 1, 0, 2**64 - 1),
-        (5, 1, -(2**63)),
-        (6, 1, 2**64 - 1),
-    ):
+    for seq, session, stamp in ((0, 0, 2**64 - 1), (2**64 - 1, 0, 2**64 - 1), (5, 1, -(2**63)), (6, 1, 2**64 - 1)):
         feed.clock.advance(2.0)
         feed.offer(Publisher(feed.clock, session), seq=seq, stamp=stamp)
         feed.fault()

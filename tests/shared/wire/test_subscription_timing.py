@@ -14,12 +14,8 @@ from shared.wire.subscription import LOSS_LIMIT
 from tests.shared.rig import Feed, Publisher, ft_sample
 
 
-@pytest.mark.parametrize(
-    ("period", "limit"), [(0.001, 0.03), (0.01, 0.03), (0.02, 0.06), (1 / 30, 0.1), (0.2, 0.1)]
-)
-def test_silence_is_three_measured_periods_but_no_less_than_the_maximum_age(
-    period: float, limit: float
-) -> None:
+@pytest.mark.parametrize(("period", "limit"), [(0.001, 0.03), (0.01, 0.03), (0.02, 0.06), (1 / 30, 0.1), (0.2, 0.1)])
+def test_silence_is_three_measured_periods_but_no_less_than_the_maximum_age(period: float, limit: float) -> None:
     feed = Feed(period=period)
     feed.run(60)
     assert feed.subscription.period == pytest.approx(period, rel=1e-6)
@@ -34,9 +30,7 @@ def test_a_stamp_that_lies_cannot_stretch_the_allowed_age(feed: Feed) -> None:
     feed.run(5)
     for hour in range(1, 20):
         feed.clock.advance(0.01)
-        feed.subscription.offer(
-            feed.first.payload(ft_sample(), stamp=feed.first.stamp() + hour * 3_600 * 10**9)
-        )
+        feed.subscription.offer(feed.first.payload(ft_sample(), stamp=feed.first.stamp() + hour * 3_600 * 10**9))
     assert feed.subscription.age_limit <= 0.1
 
 

@@ -125,9 +125,7 @@ def test_what_arrives_during_the_work_is_handed_over_first_and_worked_on_once(pa
 
 def test_queries_are_answered_at_once_or_later_from_any_thread(pair: Pair) -> None:
     pair.two.serve("wrench/tare", lambda request, reply: reply(request * 2))
-    pair.two.serve(
-        "task/command", lambda request, reply: threading.Thread(target=reply, args=(b"late",)).start()
-    )
+    pair.two.serve("task/command", lambda request, reply: threading.Thread(target=reply, args=(b"late",)).start())
     assert eventually(lambda: _answer(pair.one, "wrench/tare", b"ab")) == b"abab"
     assert eventually(lambda: _answer(pair.one, "task/command", b"")) == b"late"
 

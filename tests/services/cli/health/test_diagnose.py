@@ -4,15 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from services.cli.health.diagnose import (
-    Heard,
-    control_line,
-    never_seen,
-    one_robot,
-    robot_line,
-    rows,
-    task_line,
-)
+from services.cli.health.diagnose import Heard, control_line, never_seen, one_robot, robot_line, rows, task_line
 from shared.messages import ControlStatus, Health, RobotStatus, TaskStatus
 from shared.processes import STACK
 
@@ -34,9 +26,7 @@ def health(state: str = "ok", detail: str = "") -> Health:
     ],
     ids=["ok", "starting", "degraded", "hung", "killed", "killed before it spoke", "mute"],
 )
-def test_state_of_a_service(
-    living: bool, age: float | None, message: Health | None, state: str, ok: bool
-) -> None:
+def test_state_of_a_service(living: bool, age: float | None, message: Health | None, state: str, ok: bool) -> None:
     heard = {} if message is None or age is None else {"controller": Heard(message, age)}
     row = rows({"controller"} if living else set(), heard, ["controller"])[0]
     assert (row.service, row.state, row.ok) == ("controller", state, ok)

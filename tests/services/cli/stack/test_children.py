@@ -55,9 +55,7 @@ def test_output_and_exit_status_are_kept(tmp_path: Path) -> None:
 def test_all_children_end_with_the_block() -> None:
     with Children() as children:
         started = [children.start(Child("router", ["--listen", free_endpoint()])) for _ in range(2)]
-        eventually(
-            lambda: all("listening" in child.last_line for child in started), 20, "both routers listen"
-        )
+        eventually(lambda: all("listening" in child.last_line for child in started), 20, "both routers listen")
     assert [child.status for child in started] == [0, 0]
 
 

@@ -105,9 +105,7 @@ def test_stop_is_latched_until_resume(stack: Process, endpoint: str) -> None:
     assert "stopped" not in tandem("status", "--connect", endpoint).stdout
 
 
-def test_a_killed_controller_is_named_and_can_be_started_again(
-    stack: Process, endpoint: str, tmp_path: Path
-) -> None:
+def test_a_killed_controller_is_named_and_can_be_started_again(stack: Process, endpoint: str, tmp_path: Path) -> None:
     os.kill(pids(endpoint)["controller"], signal.SIGKILL)
     done = tandem("status", "--connect", endpoint)
     assert done.returncode == 1

@@ -14,9 +14,7 @@ SCALE = np.sqrt((800.0, 800.0, 800.0, 90.0, 90.0, 90.0))
 LARGEST = 2.0
 
 
-def step(
-    softness: ContactSoftness, wrench: np.ndarray, moved: np.ndarray, noise: float = 0.0, dt: float = DT
-) -> float:
+def step(softness: ContactSoftness, wrench: np.ndarray, moved: np.ndarray, noise: float = 0.0, dt: float = DT) -> float:
     """The share after a step in which errors hide ``noise`` on each axis, in the scale."""
     return softness.step(wrench, moved, SCALE, LARGEST, noise * np.sqrt(6.0), D, dt)
 
@@ -59,11 +57,7 @@ def test_a_stiffer_contact_is_believed_sooner_than_a_softer_one() -> None:
         assert still_to_learn < 0.6 * (learnt(0.25, np.zeros(6), steps=steps) - 0.25) / 0.25
 
 
-@given(
-    st.lists(
-        st.tuples(st.floats(-1e3, 1e3), st.floats(-1.0, 1.0), st.floats(0.0, 0.2)), min_size=1, max_size=60
-    )
-)
+@given(st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(-1.0, 1.0), st.floats(0.0, 0.2)), min_size=1, max_size=60))
 def test_any_history_gives_a_share_within_bounds(history: list[tuple[float, float, float]]) -> None:
     softness = ContactSoftness()
     for wrench, moved, dt in history:
@@ -71,14 +65,10 @@ def test_any_history_gives_a_share_within_bounds(history: list[tuple[float, floa
         assert 0.1 <= share <= 1.0
 
 
-def test_the_regression_runs_when_a_sample_is_kept_and_not_in_between(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_regression_runs_when_a_sample_is_kept_and_not_in_between(monkeypatch: pytest.MonkeyPatch) -> None:
     softness, runs = ContactSoftness(), []
     regression = softness._regression
-    monkeypatch.setattr(
-        softness, "_regression", lambda *given: runs.append(softness._now) or regression(*given)
-    )
+    monkeypatch.setattr(softness, "_regression", lambda *given: runs.append(softness._now) or regression(*given))
     for count in range(1000):
         step(softness, np.zeros(6), np.full(6, 1e-3 * np.sin(count)), dt=0.0002)
     assert len(runs) == pytest.approx(0.2 / (2.5 * D / 40), rel=0.15)

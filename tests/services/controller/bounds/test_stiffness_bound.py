@@ -124,9 +124,7 @@ def test_largest_is_the_eigenvalue_at_the_corner_and_no_contact_exceeds_it() -> 
         axes = sorted(rng.choice(6, rng.integers(1, 7), replace=False).tolist())
         scale = rng.uniform(0.1, 5.0, 6)
         found = Kbar.largest(axes, scale.tolist())
-        assert found == pytest.approx(
-            max(scaled(stiffness * J.T @ J, axes, scale) for J in corners), rel=1e-9
-        )
+        assert found == pytest.approx(max(scaled(stiffness * J.T @ J, axes, scale) for J in corners), rel=1e-9)
         total = np.zeros((6, 6))
         for share in rng.dirichlet(np.ones(2)):
             J = jacobian(np.array(REACH) * rng.uniform(-1, 1, 3))

@@ -13,12 +13,7 @@ STEP = 2e-4
 
 
 def still_to_come(
-    sent: list[tuple[float, np.ndarray]],
-    arrivals: list[float],
-    now: float,
-    period: float,
-    sample: float,
-    lag: float,
+    sent: list[tuple[float, np.ndarray]], arrivals: list[float], now: float, period: float, sample: float, lag: float
 ) -> np.ndarray:
     """Travel (12,) that the robot makes after the instant ``sample`` from what was sent before ``now``.
 
@@ -62,12 +57,7 @@ def test_nothing_that_is_still_to_come_is_forgotten(seed: int) -> None:
         time += dt if count else 0.0
         if count % 5 == 4:
             expected = still_to_come(
-                [*sent, (time, np.zeros(6))],
-                [*arrivals, time + fastest + jitter],
-                time,
-                period,
-                time - latency,
-                lag,
+                [*sent, (time, np.zeros(6))], [*arrivals, time + fastest + jitter], time, period, time - latency, lag
             )
             slack = 6 * STEP * np.max(np.abs([v for _, v in sent]))  # of the integration, a step per switch
             assert np.all(in_flight >= expected - slack), (seed, count, in_flight - expected)
@@ -90,9 +80,7 @@ ALL, NONE = np.ones(6), np.zeros(6)
 ALONG_X = np.array((1.0, 0.0, 0.0, 0.0, 0.0, 0.0))
 
 
-@pytest.mark.parametrize(
-    ("dt", "period", "delay", "lag"), [(0.01, 0.02, 0.02, 0.02), (0.001, 0.0012, 0.03, 0.0)]
-)
+@pytest.mark.parametrize(("dt", "period", "delay", "lag"), [(0.01, 0.02, 0.02, 0.02), (0.001, 0.0012, 0.03, 0.0)])
 def test_a_steady_command_is_counted_exactly(dt: float, period: float, delay: float, lag: float) -> None:
     twist = np.array((0.1, -0.2, 0.0, 0.3, 0.0, -0.4))
     expected = np.concatenate((np.maximum(-twist, 0), np.maximum(twist, 0))) * (delay + lag)

@@ -9,13 +9,7 @@ import pytest
 
 from services.controller.bounds.caps import Caps
 from services.controller.bounds.stiffness_bound import ContactZone, StiffnessBound
-from services.controller.bounds.yielding import (
-    RoundedYield,
-    StrictYield,
-    Yielding,
-    YieldInput,
-    scaled_into,
-)
+from services.controller.bounds.yielding import RoundedYield, StrictYield, Yielding, YieldInput, scaled_into
 from tests.services.controller.contacts import ERROR, LIMIT, bound, jacobian, tangent
 
 D, DT = 0.05, 0.01
@@ -33,11 +27,7 @@ def caps(yield_start: float) -> Caps:
 
 
 def state(
-    wrench: Sequence[float],
-    c: Caps,
-    Kbar: StiffnessBound = KBAR,
-    speed: Sequence[float] = SPEED,
-    dt: float = DT,
+    wrench: Sequence[float], c: Caps, Kbar: StiffnessBound = KBAR, speed: Sequence[float] = SPEED, dt: float = DT
 ) -> YieldInput:
     return YieldInput(list(wrench), c, Kbar, speed, np.zeros(6), D, dt)
 
@@ -116,8 +106,7 @@ def test_no_passive_contact_is_driven_further_out_of_the_box(yield_start: float)
         J = jacobian(np.array(ZONE.reach) * rng.uniform(-1, 1, 3))
         K = J.T @ tangent(rng, ZONE.stiffness, 0.0) @ J
         before, after = (
-            np.linalg.norm(np.maximum(0.0, np.abs(w) - box) / scale)
-            for w in (wrench, wrench - D * K @ np.array(y))
+            np.linalg.norm(np.maximum(0.0, np.abs(w) - box) / scale) for w in (wrench, wrench - D * K @ np.array(y))
         )
         answered += 1
         assert after <= before + 1e-9

@@ -24,9 +24,7 @@ REACH = (0.4, 0.2, 0.1)
 
 
 def make(**changes: object) -> CertifiedLaw:
-    law = make_law(
-        agile(**{"contact_stiffness": 1000.0, "contact_reach": REACH, "contact_friction": 0.3, **changes})
-    )
+    law = make_law(agile(**{"contact_stiffness": 1000.0, "contact_reach": REACH, "contact_friction": 0.3, **changes}))
     assert isinstance(law, CertifiedLaw)
     return law
 
@@ -48,9 +46,7 @@ def test_rows_hold_for_any_input(yield_start: float) -> None:
     moved = 0
     for _ in range(1500):
         wrench = LIMIT * rng.uniform(-1, 1, 6) * rng.choice((0.05, 0.5, 1.1))
-        given = state(
-            wrench, rng.normal(size=3) * 0.2, target=rng.normal(size=3) * 0.2, turn=rng.normal(size=3) * 0.3
-        )
+        given = state(wrench, rng.normal(size=3) * 0.2, target=rng.normal(size=3) * 0.2, turn=rng.normal(size=3) * 0.3)
         output = law.step(given, 0.01)
         assert output.failure is None
         assert violation(law, output.twist, wrench) <= 1e-9
@@ -68,9 +64,7 @@ def test_rows_hold_for_any_input(yield_start: float) -> None:
         lambda rng, x: -x,
     ],
 )
-def test_rows_hold_whatever_the_solver_answers(
-    lie: Callable[[np.random.Generator, Array], Array],
-) -> None:
+def test_rows_hold_whatever_the_solver_answers(lie: Callable[[np.random.Generator, Array], Array]) -> None:
     rng = np.random.default_rng(6)
     law = make(delay=0.02)
     honest = law.qp._minimise
@@ -162,9 +156,7 @@ def test_retreat_is_open_while_pressing() -> None:
 @pytest.mark.parametrize("axis", range(6))
 @pytest.mark.parametrize("yield_start", [1.0, 0.8])
 def test_free_approach_reaches_the_certified_speed_without_stopping(axis: int, yield_start: float) -> None:
-    law = make(
-        delay=0.03, lag=0.02, period=0.012, contact_stiffness=3000.0, yield_start=yield_start, max_linear=0.25
-    )
+    law = make(delay=0.03, lag=0.02, period=0.012, contact_stiffness=3000.0, yield_start=yield_start, max_linear=0.25)
     certified = certificates(law.parameters, LIMIT, ERROR)[axis].speed
     far = np.zeros(6)
     far[axis] = 2.0
@@ -191,9 +183,7 @@ def test_what_is_in_flight_survives_braking_and_a_change_of_law() -> None:
 def unhindered(law: CertifiedLaw, wrench: Array) -> list[float] | None:
     """What the rounded form would do if no row held it."""
     return RoundedYield().step(
-        YieldInput(
-            wrench.tolist(), law.caps, law.bound, law.speed_box.speed, np.zeros(6), law.response_time, 0.01
-        )
+        YieldInput(wrench.tolist(), law.caps, law.bound, law.speed_box.speed, np.zeros(6), law.response_time, 0.01)
     )
 
 
@@ -213,9 +203,7 @@ def test_yielding_at_rest_keeps_its_direction_or_what_the_rows_leave_of_it() -> 
         free = unhindered(law, wrench * LIMIT * 0.86)
         if free is not None and law.y.any():
             kept += 1
-            assert law.y / np.linalg.norm(law.y) == pytest.approx(
-                np.array(free) / np.linalg.norm(free), abs=1e-9
-            )
+            assert law.y / np.linalg.norm(law.y) == pytest.approx(np.array(free) / np.linalg.norm(free), abs=1e-9)
     assert kept > 50
 
 

@@ -54,9 +54,7 @@ def test_paper_law_at_30_hz_exceeds_the_limit_and_goes_on_oscillating(stiffness:
 @pytest.mark.parametrize("law", FORMS)
 @pytest.mark.parametrize("stiffness", [2e3, 1e4, 1e5])
 @pytest.mark.parametrize(("rate", "late"), [(30.0, 0), (30.0, 2), (100.0, 3)])
-def test_certified_law_keeps_the_limit_and_comes_to_rest(
-    law: str, stiffness: float, rate: float, late: int
-) -> None:
+def test_certified_law_keeps_the_limit_and_comes_to_rest(law: str, stiffness: float, rate: float, late: int) -> None:
     result = run(law, into_a_wall(stiffness, rate, late, seconds=30.0 if stiffness > 5e4 else 8.0))
     assert result.peak <= STRICT_ROUNDING
     assert result.peak > 0.7, "and it does press"

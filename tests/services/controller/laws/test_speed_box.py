@@ -59,9 +59,7 @@ def test_box_never_exceeds_the_speed_limits() -> None:
 
 
 def test_a_longer_interval_than_the_period_gains_no_more() -> None:
-    assert box_after(np.zeros(12), dt=5.0).reach[0] == pytest.approx(
-        box_after(np.zeros(12), dt=0.02).reach[0]
-    )
+    assert box_after(np.zeros(12), dt=5.0).reach[0] == pytest.approx(box_after(np.zeros(12), dt=0.02).reach[0])
 
 
 @given(twist=st.tuples(*(st.floats(-1, 1),) * 6))

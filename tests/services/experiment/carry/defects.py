@@ -110,9 +110,7 @@ def tilted(recording: Recording, degrees: float = 20.0, start: float = 30.0, end
     """The panel's long axis is far off the horizontal."""
     world = recording.topics["sim/world"]
     then = during(recording, "sim/world", start, end)
-    turned = Rotation.from_euler("y", -degrees, degrees=True) * Rotation.from_quat(
-        world["panel.orientation"][then]
-    )
+    turned = Rotation.from_euler("y", -degrees, degrees=True) * Rotation.from_quat(world["panel.orientation"][then])
     world["panel.orientation"][then] = turned.as_quat()
 
 
@@ -148,9 +146,7 @@ def base_stands(recording: Recording) -> None:
     base, arm = recording.topics["state/base"], recording.topics["state/ee"]
     gone = base["position"] - base["position"][0]
     reached = np.clip(gone, -ARM, ARM)
-    heading = Rotation.from_rotvec(
-        np.outer(np.interp(arm["time"], base["time"], base["yaw"]), (0.0, 0.0, 1.0))
-    )
+    heading = Rotation.from_rotvec(np.outer(np.interp(arm["time"], base["time"], base["yaw"]), (0.0, 0.0, 1.0)))
     arm["position"] += heading.inv().apply(at(arm["time"], base["time"], reached) @ np.eye(2, 3))
     base["position"] -= gone
     _shift(recording, reached - gone)
@@ -195,9 +191,7 @@ def topples(recording: Recording) -> None:
     """The panel falls over after everybody has let go."""
     world = recording.topics["sim/world"]
     then = world["time"] > world["time"][-1] - 2.0
-    lying = Rotation.from_quat(world["panel.orientation"][then]) * Rotation.from_euler(
-        "x", -80.0, degrees=True
-    )
+    lying = Rotation.from_quat(world["panel.orientation"][then]) * Rotation.from_euler("x", -80.0, degrees=True)
     world["panel.orientation"][then] = lying.as_quat()
 
 

@@ -61,19 +61,12 @@ class TestCarry:
             (defects.let_go_loaded, {"lets go when the ground carries it"}),
             (
                 defects.never_let_go,
-                {
-                    "lets go when the ground carries it",
-                    "lets go when it stands upright",
-                    "it stays where it was put",
-                },
+                {"lets go when the ground carries it", "lets go when it stands upright", "it stays where it was put"},
             ),
             (defects.stuck, {"every state and phase in order", "never drops the panel"}),
             (defects.tilted, {"keeps it level"}),
             (defects.not_turned, {"turns where it is wanted", "lets go when it stands upright"}),
-            (
-                defects.held_back,
-                {"far end gets where it is wanted", "robot's end follows push and pull"},
-            ),
+            (defects.held_back, {"far end gets where it is wanted", "robot's end follows push and pull"}),
             (
                 defects.base_stands,
                 {
@@ -86,10 +79,7 @@ class TestCarry:
             ),
             (defects.swings, {"comes along sideways"}),
             (defects.slips_round, {"robot's end follows the turns"}),
-            (
-                defects.answers_late,
-                {"reacts to push and pull", "robot's end keeps up", "base keeps up"},
-            ),
+            (defects.answers_late, {"reacts to push and pull", "robot's end keeps up", "base keeps up"}),
             (defects.topples, {"it stays where it was put"}),
             (defects.pushed_away, {"it stays where it was put"}),
             (add(WORLD, "hand.force", (30.0, 0.0, 0.0), 20.0, 20.2), {"person's hands: peak force"}),
@@ -129,9 +119,7 @@ class TestCarry:
         for law in ("certified", "paper", "stiffness"):
             assert "asks for the stated limits" in failed(found, f"{law}-omni")
 
-    def test_a_baseline_that_keeps_its_limits_fails_the_claim_that_it_does_not(
-        self, carried: Recording
-    ) -> None:
+    def test_a_baseline_that_keeps_its_limits_fails_the_claim_that_it_does_not(self, carried: Recording) -> None:
         assert failed(measure(carried), "stiffness-omni") == ["baseline: breaks its limits"]
 
     def test_the_comparison_follows_the_figures_not_the_names(self, carried: Recording) -> None:
@@ -139,9 +127,7 @@ class TestCarry:
         names = ("certified-omni", "paper-omni")
         for factor, passed in ((0.5, True), (1.5, False)):
             excess = dataclasses.replace(
-                found.excess,
-                over=factor * found.excess.over,
-                peaks=tuple(factor * peak for peak in found.excess.peaks),
+                found.excess, over=factor * found.excess.over, peaks=tuple(factor * peak for peak in found.excess.peaks)
             )
             effort = dataclasses.replace(
                 found.effort, force=factor * found.effort.force, guiding=factor * found.effort.guiding
@@ -163,9 +149,7 @@ class TestCarry:
         states[6:6] = [("releasing", 50.0), ("carrying", 51.0)]
         assert failed(dataclasses.replace(found, states=tuple(states))) == []
 
-    def test_fingers_that_touch_the_panel_before_they_hold_it_have_not_dropped_it(
-        self, carried: Recording
-    ) -> None:
+    def test_fingers_that_touch_the_panel_before_they_hold_it_have_not_dropped_it(self, carried: Recording) -> None:
         assert failed(measure(spoilt(carried, defects.touched_before))) == []
 
     def test_a_carry_that_was_broken_off_is_refused_by_name(self, carried: Recording) -> None:
@@ -174,9 +158,7 @@ class TestCarry:
         with pytest.raises(ValueError, match=r"certified-omni.*'end'"):
             measure(short)
 
-    def test_a_panel_that_was_never_grasped_is_refused_with_the_task_s_reason(
-        self, carried: Recording
-    ) -> None:
+    def test_a_panel_that_was_never_grasped_is_refused_with_the_task_s_reason(self, carried: Recording) -> None:
         empty = copy.deepcopy(carried)
         empty.topics["state/gripper"]["holding"][:] = False
         with pytest.raises(ValueError, match=r"never held the panel; the task was done"):
@@ -196,6 +178,4 @@ def test_the_judge_knows_what_the_person_wants(base: str) -> None:
         elif phase.do == "turn":
             assert phase.about == "x"
             wanted.append(("roll", math.radians(phase.angle)))
-    assert [(one.way, one.amount) for one in GUIDANCE[base]] == [
-        (way, pytest.approx(amount)) for way, amount in wanted
-    ]
+    assert [(one.way, one.amount) for one in GUIDANCE[base]] == [(way, pytest.approx(amount)) for way, amount in wanted]

@@ -17,13 +17,7 @@ from shared import topics
 
 RUN = CARRY.run_named("certified-none")
 READY = Observation(
-    position=np.zeros(3),
-    speed=0.0,
-    law="certified",
-    mode="ready",
-    wrench_valid=True,
-    task="idle",
-    panel=True,
+    position=np.zeros(3), speed=0.0, law="certified", mode="ready", wrench_valid=True, task="idle", panel=True
 )
 
 

@@ -60,9 +60,7 @@ def test_the_page_says_which_speed_was_used_and_what_it_allows(folder: Path) -> 
     assert "paper-omni: hands at up to" not in page
 
 
-def test_tables_compare_the_runs_axis_by_axis_and_movement_by_movement(
-    folder: Path, carried: Recording
-) -> None:
+def test_tables_compare_the_runs_axis_by_axis_and_movement_by_movement(folder: Path, carried: Recording) -> None:
     page = (folder / "index.html").read_text()
     found = measure(carried)
     compared, limits, movements = json.loads((folder / "claims.json").read_text())["tables"]
@@ -94,10 +92,7 @@ def test_a_carry_that_did_not_get_there_has_its_row_all_the_same(carried: Record
 
 def test_every_figure_is_there_in_both_formats(folder: Path) -> None:
     kinds = ("wrench", "paths", "heights")
-    names = {
-        "comparison",
-        *(f"{name}-{kind}" for name in ("certified-omni", "paper-omni") for kind in kinds),
-    }
+    names = {"comparison", *(f"{name}-{kind}" for name in ("certified-omni", "paper-omni") for kind in kinds)}
     for suffix in (".svg", ".png"):
         assert {path.stem for path in (folder / "figures").glob(f"*{suffix}")} == names
 

@@ -30,13 +30,9 @@ def test_turning_about_the_tool_moves_nothing_there_and_turning_about_the_hands_
     inner = slice(5, -5)
     rest = np.zeros((len(TIME), 3))
     about_hands = held(rest, np.tile(IN_BASE, (len(TIME), 1)), axes).twist_in_base[inner]
-    assert about_hands == pytest.approx(
-        np.tile((0.0, -0.24, 0.0, 0.0, 0.0, 0.2), (len(about_hands), 1)), abs=1e-3
-    )
+    assert about_hands == pytest.approx(np.tile((0.0, -0.24, 0.0, 0.0, 0.0, 0.2), (len(about_hands), 1)), abs=1e-3)
     about_tool = held(rest, TOOL + axes.apply(IN_BASE - TOOL), axes).twist_in_base[inner]
-    assert about_tool == pytest.approx(
-        np.tile((0.0, 0.0, 0.0, 0.0, 0.0, 0.2), (len(about_tool), 1)), abs=1e-3
-    )
+    assert about_tool == pytest.approx(np.tile((0.0, 0.0, 0.0, 0.0, 0.0, 0.2), (len(about_tool), 1)), abs=1e-3)
 
 
 def test_spin_is_the_angular_velocity_in_world() -> None:

@@ -14,9 +14,7 @@ LANDED = 22.0  # [s]: the heavier bag is on the ground
 BRAKES = (18.2, 19.2, 20.2)  # [s]
 
 
-def add(
-    topic: str, name: str, axis: int, start: float, end: float, value: float, rate: float = 0.0
-) -> Defect:
+def add(topic: str, name: str, axis: int, start: float, end: float, value: float, rate: float = 0.0) -> Defect:
     """Something is added to a component for a time [s]; it swings with that amplitude if there is a rate [rad/s]."""
 
     def spoil(recording: Recording) -> None:

@@ -47,9 +47,7 @@ def failed(found: Measures, law: str = RUN.law) -> list[str]:
         (defects.stays_low, "comes back"),
     ],
 )
-def test_a_defect_fails_its_claim_and_the_good_run_none(
-    played: Recording, defect: Defect, words: str
-) -> None:
+def test_a_defect_fails_its_claim_and_the_good_run_none(played: Recording, defect: Defect, words: str) -> None:
     assert failed(measure(played)) == []
     assert any(words in text for text in failed(spoilt(played, defect)))
 
@@ -85,9 +83,7 @@ def test_the_comparison_follows_the_figures_not_the_names(played: Recording) -> 
     found = measure(played)
     names = ("paper-30", "certified-30")
     for factor, passed in ((0.5, True), (1.5, False)):
-        other = {
-            name: factor * getattr(found, name) for name in ("load_swing", "ground_peak", "ground_ripple")
-        }
+        other = {name: factor * getattr(found, name) for name in ("load_swing", "ground_peak", "ground_ripple")}
         measured = dict(zip(names, (found, dataclasses.replace(found, **other)), strict=True))
         compared = judge({name: LOAD.run_named(name) for name in names}, measured)
         assert [claim.passed for claim in compared if claim.run == "certified-30, paper-30"] == [passed] * 3

@@ -18,12 +18,7 @@ from shared import topics
 
 RUN = LOAD.run_named("certified-100")
 AT_POSE = Observation(
-    position=np.array(protocol.HOLD[:3]),
-    speed=0.0,
-    law="certified",
-    mode="ready",
-    wrench_valid=True,
-    error_bound=0.4,
+    position=np.array(protocol.HOLD[:3]), speed=0.0, law="certified", mode="ready", wrench_valid=True, error_bound=0.4
 )
 
 
@@ -95,8 +90,6 @@ YES, NO = {"ok": True}, {"ok": False, "error": "the tool moves"}
         ({"error_bound": 2.0}, YES, "error bound of force z is 2.00 N.*ft_noise"),
     ],
 )
-def test_gives_up_with_the_reason(
-    changes: dict[str, Any], answer: dict[str, Any] | None, reason: str
-) -> None:
+def test_gives_up_with_the_reason(changes: dict[str, Any], answer: dict[str, Any] | None, reason: str) -> None:
     with pytest.raises(Failed, match=reason):
         play(dataclasses.replace(AT_POSE, **changes), answer)

@@ -88,9 +88,7 @@ def test_brakes_are_told_in_the_table_and_grey_in_the_figure(played: Recording, 
     assert [brake["reason"] for brake in brakes] == ["no fresh command"] * 3
 
 
-def test_a_run_that_did_not_finish_fails_the_command_but_not_the_others(
-    played: Recording, tmp_path: Path
-) -> None:
+def test_a_run_that_did_not_finish_fails_the_command_but_not_the_others(played: Recording, tmp_path: Path) -> None:
     put(tmp_path, "paper-30", played, defects.broken_off)
     put(tmp_path, "certified-30", played)
     assert main(["report", str(tmp_path)]) == 1

@@ -20,9 +20,7 @@ from shared.wire.subscription import Subscription
 COVERED = "no marker in sight: is it covered, or out of the picture?"
 
 
-def test_the_newest_reason_of_the_task_is_told_once_it_has_been_started(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_the_newest_reason_of_the_task_is_told_once_it_has_been_started(capsys: pytest.CaptureFixture[str]) -> None:
     course = CarrySequence(CARRY.run_named("certified-omni"))
     experiment = SimpleNamespace(course=course, now=lambda: 12.0)
     task = Subscription(topics.TASK_STATUS, SteadyClock())

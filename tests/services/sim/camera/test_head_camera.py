@@ -84,9 +84,7 @@ def test_points_are_where_the_calibration_says(
     corners = pixels(marker_corners(panel, turned), position, rotation)[:, :2]
     assert error_of(picture, corners) < 0.5
     # And each corner: black within, white beyond.
-    outwards = (corners - corners.mean(axis=0)) / np.linalg.norm(corners - corners.mean(axis=0), axis=1)[
-        :, None
-    ]
+    outwards = (corners - corners.mean(axis=0)) / np.linalg.norm(corners - corners.mean(axis=0), axis=1)[:, None]
     for corner, out in zip(corners, outwards, strict=True):
         inside, outside = np.round(corner - 2.5 * out).astype(int), np.round(corner + 2.5 * out).astype(int)
         assert picture[inside[1], inside[0]] < 60 < 150 < picture[outside[1], outside[0]]
@@ -184,9 +182,7 @@ def test_covered_it_is_gone_until_it_is_uncovered(rig: Watched, uncover: dict[st
     assert rig.picture[whole_polygon(corners)].min() < 60
 
 
-def test_no_two_pictures_are_the_same_but_those_of_a_stuck_camera_which_repeats_its_pose_too(
-    rig: Watched,
-) -> None:
+def test_no_two_pictures_are_the_same_but_those_of_a_stuck_camera_which_repeats_its_pose_too(rig: Watched) -> None:
     pictures = [received.message.data for received in rig.received["sensor/camera"][-5:]]
     assert len(set(pictures)) == 5, "although nothing moves"
     rig.ask(command="fault", target="camera", kind="stuck")

@@ -80,10 +80,7 @@ def test_the_tool_appears_where_the_camera_says() -> None:
         (recording(force_z=None), "no recording of a run"),
         (recording(scene="carry"), "no recording of a run"),
         (recording(force_z=np.zeros(3)), "series of one length"),
-        (
-            recording(joint_positions=np.zeros((40, 2))),
-            "joint_positions has shape (40, 2), wanted (40, 8)",
-        ),
+        (recording(joint_positions=np.zeros((40, 2))), "joint_positions has shape (40, 2), wanted (40, 8)"),
         (carry(hand_force=None), "no recording of a run"),
         (carry(wrench=np.zeros((3, 6))), "series of one length"),
         (carry(parameters={"marker_id": 99}), "parameters: "),

@@ -47,9 +47,7 @@ def test_the_joint_state_shows_the_fingers(rig: Rig) -> None:
     rig.stack.client.publish(topics.COMMAND_GRIPPER, GripperCommand(0.06, 16.0))
     rig.run(1.5)
     joints = rig.last(topics.STATE_JOINTS)
-    fingers = [
-        joints.position[joints.name.index(f"gripper_right_{side}_finger_joint")] for side in ("left", "right")
-    ]
+    fingers = [joints.position[joints.name.index(f"gripper_right_{side}_finger_joint")] for side in ("left", "right")]
     assert fingers == pytest.approx([0.03, 0.03])
     assert rig.last(topics.STATE_GRIPPER).opening == pytest.approx(0.06)
 

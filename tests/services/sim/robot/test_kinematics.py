@@ -10,13 +10,7 @@ import pinocchio as pin
 import pybullet
 import pytest
 
-from services.sim.robot.kinematics import (
-    HOME,
-    Kinematics,
-    full_model,
-    home,
-    joint_names,
-)
+from services.sim.robot.kinematics import HOME, Kinematics, full_model, home, joint_names
 from shared.robot.tiago import CHAIN, JOINTS, TOOL_FRAME, URDF
 
 
@@ -26,12 +20,7 @@ def model() -> pin.Model:
 
 
 def test_the_model_has_the_limits_of_the_description(model: pin.Model) -> None:
-    limits = (
-        model.lowerPositionLimit,
-        model.upperPositionLimit,
-        model.velocityLimit,
-        model.effortLimit,
-    )
+    limits = (model.lowerPositionLimit, model.upperPositionLimit, model.velocityLimit, model.effortLimit)
     rows = zip(*(limit.tolist() for limit in limits), strict=True)
     assert dict(zip(joint_names(model), rows, strict=True)) == JOINTS
 
@@ -90,9 +79,7 @@ def test_pybullet_and_pinocchio_agree_on_every_frame(model: pin.Model) -> None:
                 pybullet.resetJointState(body, index[name], value, physicsClientId=client)
             pin.framesForwardKinematics(model, data, q)
             for info in joints:
-                state = pybullet.getLinkState(
-                    body, info[0], computeForwardKinematics=True, physicsClientId=client
-                )
+                state = pybullet.getLinkState(body, info[0], computeForwardKinematics=True, physicsClientId=client)
                 pose = data.oMf[model.getFrameId(info[12].decode())]
                 assert state[4] == pytest.approx(pose.translation, abs=1e-5), info[12]
                 dot = abs(float(np.dot(state[5], pin.Quaternion(pose.rotation).coeffs())))

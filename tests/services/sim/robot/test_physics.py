@@ -30,11 +30,7 @@ def test_hanging_masses(pose: str, mass: float) -> None:
 
 
 def test_pushes_in_every_direction() -> None:
-    for force, torque in (
-        ((9, -4, 6), (0, 0, 0)),
-        ((0, 0, 0), (0.8, -0.6, 0.4)),
-        ((-5, 8, -3), (-1, 0.5, 1)),
-    ):
+    for force, torque in (((9, -4, 6), (0, 0, 0)), ((0, 0, 0), (0.8, -0.6, 0.4)), ((-5, 8, -3), (-1, 0.5, 1))):
         reading, wanted = _settled(POSES["home"], np.array(force, float), np.array(torque, float))
         assert reading == pytest.approx(wanted, abs=0.02 * np.linalg.norm(wanted[:3]))
 
@@ -53,9 +49,7 @@ def test_motors_give_what_statics_ask_for() -> None:
 def _settled(pose: np.ndarray, force: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Reading (6,) with motors of unlimited effort in a pose, and the statics of where the arm came to rest."""
     kinematics = Kinematics()
-    assert ((pose >= kinematics.lower) & (pose <= kinematics.upper)).all(), (
-        "the pose is outside the joints' limits"
-    )
+    assert ((pose >= kinematics.lower) & (pose <= kinematics.upper)).all(), "the pose is outside the joints' limits"
     physics = Physics(pose, np.full(8, 1e4), STEP)
     _hold(physics, kinematics, force, torque)
     reading = physics.wrist_wrench()

@@ -59,9 +59,7 @@ def test_off_is_silence_and_only_of_that_sensor() -> None:
         rig.ask(command="fault", target=target, kind="off")
         before = {key: len(received) for key, received in rig.received.items()}
         rig.run(0.5)
-        silent = {
-            key for key in ("sensor/ft", "state/joints", "state/ee") if len(rig.received[key]) == before[key]
-        }
+        silent = {key for key in ("sensor/ft", "state/joints", "state/ee") if len(rig.received[key]) == before[key]}
         assert silent == set(keys)
         rig.ask(command="fault", target=target, kind="ok")
         rig.run(0.2)

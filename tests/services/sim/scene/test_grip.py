@@ -92,9 +92,7 @@ def test_pads_without_friction_hold_nothing_up() -> None:
     assert force == pytest.approx(np.zeros(3), abs=0.1)
 
 
-@pytest.mark.parametrize(
-    ("size", "mass"), [((0.4, 0.1, 0.05), 0.3), ((1.0, 0.1, 0.02), 0.2), ((3.0, 0.1, 0.02), 0.2)]
-)
+@pytest.mark.parametrize(("size", "mass"), [((0.4, 0.1, 0.05), 0.3), ((1.0, 0.1, 0.02), 0.2), ((3.0, 0.1, 0.02), 0.2)])
 def test_a_light_and_narrow_panel_does_not_spin_up_in_the_fingers(
     size: tuple[float, float, float], mass: float
 ) -> None:
@@ -242,11 +240,7 @@ def test_the_panel_moves_with_tool_and_base(rig: Rig) -> None:
     rig.move((0, 0, 0.08), 2.0)
     rig.drive((0.2, 0.0, 0.2), 2.0)
     rig.run(2.0)
-    world, tool, base = (
-        rig.last(topics.SIM_WORLD),
-        rig.last(topics.STATE_EE),
-        rig.last(topics.STATE_BASE),
-    )
+    world, tool, base = (rig.last(topics.SIM_WORLD), rig.last(topics.STATE_EE), rig.last(topics.STATE_BASE))
     assert rig.last(topics.STATE_GRIPPER).holding
     heading = rotation_from_vector((0, 0, base.yaw))
     # From the tool to the panel's centre: half its length less what is between the fingers, along the tool's x axis.

@@ -19,9 +19,7 @@ NOTHING = np.zeros(3)
 SIZE = np.array(SPEC.size)
 
 
-def settle(
-    panel: Panel, force: np.ndarray = NOTHING, offset: np.ndarray = NOTHING, time: float = 2.0
-) -> None:
+def settle(panel: Panel, force: np.ndarray = NOTHING, offset: np.ndarray = NOTHING, time: float = 2.0) -> None:
     """Let a force (3,) that grows for half the time act at an offset (3,) from the centre."""
     steps = round(time / STEP)
     for step in range(steps):

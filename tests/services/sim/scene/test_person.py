@@ -96,12 +96,8 @@ def test_on_a_blocked_panel_the_person_stops_going_on_within_their_strength() ->
     assert max(bench.forces) > 59.0
 
 
-@pytest.mark.parametrize(
-    ("size", "mass"), [((0.4, 0.1, 0.05), 0.3), ((1.0, 0.1, 0.02), 0.2), ((3.0, 0.1, 0.02), 0.2)]
-)
-def test_a_light_and_narrow_panel_does_not_spin_up_in_the_hands(
-    size: tuple[float, float, float], mass: float
-) -> None:
+@pytest.mark.parametrize(("size", "mass"), [((0.4, 0.1, 0.05), 0.3), ((1.0, 0.1, 0.02), 0.2), ((3.0, 0.1, 0.02), 0.2)])
+def test_a_light_and_narrow_panel_does_not_spin_up_in_the_hands(size: tuple[float, float, float], mass: float) -> None:
     bench = Bench(Panel(replace(SPEC, size=size, mass=mass, near_edge=(0.57, -0.39, 0.9))))
     bench.act('"take_hold"', '"lift"; height = 0.3', '"turn"; about = "x"; angle = 45')
     fastest = 0.0
@@ -168,9 +164,7 @@ def test_the_person_brings_the_hands_to_a_target() -> None:
 
 
 @pytest.mark.parametrize(("higher", "waits"), [(0.0, False), (0.1, False), (0.2, True)])
-def test_the_person_lowers_their_end_no_further_while_the_other_one_is_much_higher(
-    higher: float, waits: bool
-) -> None:
+def test_the_person_lowers_their_end_no_further_while_the_other_one_is_much_higher(higher: float, waits: bool) -> None:
     panel = Blocked(SPEC)
     panel.body.rotation = rotation_from_vector((0.0, math.asin(higher / 1.2), 0.0))
     bench = Bench(panel)
@@ -220,9 +214,7 @@ def test_the_world_tells_what_the_hands_want_and_what_they_have_if_they_let_go()
     assert hand.wanted == pytest.approx((1.74, -0.39, 0.88), abs=2e-3)
     assert hand.wanted == pytest.approx(hands.position, abs=1e-6)
     assert np.linalg.norm(hand.wanted - hand.position) > 1e-3
-    assert hand.wanted_orientation == pytest.approx(
-        (0.0, 0.0, math.sin(math.radians(10)), math.cos(math.radians(10)))
-    )
+    assert hand.wanted_orientation == pytest.approx((0.0, 0.0, math.sin(math.radians(10)), math.cos(math.radians(10))))
 
 
 def test_a_hand_that_says_nothing_of_what_it_wants_is_read_all_the_same() -> None:

@@ -47,10 +47,7 @@ def test_values_and_defaults() -> None:
         ('[[phase]]\ndo = "lift"\nheight = nan', "height is nan"),
         ('[[phase]]\ndo = "lift"\nheight = true', "height is True"),
         ('[[phase]]\ndo = "lift"', "height is missing; lift needs it"),
-        (
-            '[[phase]]\ndo = "lift"\nheight = 0.1\nby = [1, 2, 3]',
-            "'by' is nothing that lift has; it has height",
-        ),
+        ('[[phase]]\ndo = "lift"\nheight = 0.1\nby = [1, 2, 3]', "'by' is nothing that lift has; it has height"),
         ('[[phase]]\ndo = "move"\nby = [1, 2]', "by has 2 elements, wanted 3"),
         ('[[phase]]\ndo = "move"\nby = [1, 2, 99]', "by is [1.0, 2.0, 99.0], wanted every element -5 to 5 m"),
         ('[[phase]]\ndo = "turn"\nabout = "w"\nangle = 1', "about is 'w', wanted one of x, z"),

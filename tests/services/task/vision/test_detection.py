@@ -31,10 +31,7 @@ def trial(size: float, distance: float, tilt: float, light: Light, draw: int, **
     """Position [m] and attitude error [degrees] of a random view, or the doubt."""
     random = np.random.default_rng(draw)
     truth = tilted(
-        distance,
-        math.radians(tilt),
-        *random.uniform(0.0, 2 * math.pi, 2),
-        *(distance * random.uniform(-0.2, 0.2, 2)),
+        distance, math.radians(tilt), *random.uniform(0.0, 2 * math.pi, 2), *(distance * random.uniform(-0.2, 0.2, 2))
     )
     seen = Camera(**camera)
     picture = render([Print(truth, size, NUMBER)], light, seen)
@@ -169,9 +166,7 @@ NOT_FOLLOWED = {
     "gone": [],
     "another one": [Print(VIEW, 0.15, number=8)],
     "covered": [Print(VIEW, 0.15, cover=1.0)],
-    "a cell of its code hidden": [
-        Print(VIEW, 0.15, hidden=[FINGER, (1.0, 1.0, 2.0, 2.0), (3.0, 1.0, 4.0, 2.0)])
-    ],
+    "a cell of its code hidden": [Print(VIEW, 0.15, hidden=[FINGER, (1.0, 1.0, 2.0, 2.0), (3.0, 1.0, 4.0, 2.0)])],
     "an edge hidden": [Print(VIEW, 0.15, hidden=[(-1.0, 5.9, 7.0, 7.0)])],
     "turned by a quarter": [
         Print(VIEW @ Pose.from_rpy((0, 0, 0), (0, 0, math.pi / 2)), 0.15, hidden=[(5.9, 2.5, 7.0, 4.2)])
@@ -205,9 +200,7 @@ def test_no_other_pose_is_ever_believed_in_bad_pictures() -> None:
     random = np.random.default_rng(5)
     for draw in range(60):
         distance, tilt = random.uniform(0.6, 1.8), random.uniform(5, 70)
-        light = Light(
-            0.6, random.uniform(0.3, 1.5), random.uniform(1, 8), random.uniform(0.3, 1.0), seed=draw
-        )
+        light = Light(0.6, random.uniform(0.3, 1.5), random.uniform(1, 8), random.uniform(0.3, 1.0), seed=draw)
         result = trial(0.12, distance, tilt, light, draw)
         assert len(result) == 1 or (result[0] < 0.04 and result[1] < 10.0), (draw, distance, tilt, result)
 

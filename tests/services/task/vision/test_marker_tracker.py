@@ -14,9 +14,7 @@ SETTINGS = TaskParameters()
 ORIGIN = Pose(np.zeros(3), np.eye(3))
 
 
-def seen(
-    x: float = 0.0, error: float = 0.1, other: float = 1.0, turn: float = 0.5, number: int = 7
-) -> Candidate:
+def seen(x: float = 0.0, error: float = 0.1, other: float = 1.0, turn: float = 0.5, number: int = 7) -> Candidate:
     first = Solution(np.array((x, 0.0, 1.0)), np.eye(3), error)
     second = Solution(np.array((x, 0.0, 1.0)), rotation_from_vector((turn, 0.0, 0.0)), other)
     return Candidate(number, (first, second))
