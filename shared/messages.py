@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from shared.schema.fields import Boolean, Bytes, Integer, InvalidField, Number, Quaternion, Text, TextList, Vector
-from shared.schema.records import MapOf, Record, RecordOf, of
+from shared.schema.records import MapOf, Nullable, Record, RecordOf, of
 
 LONGEST_TTL = 0.2
 """No command is executed for longer than this [s] after its publication, whatever its ``ttl`` says."""
@@ -208,7 +208,7 @@ class TaskStatus(Record):
     reason: str = of(Text())
     rotation: float = of(Number("rad", "about the tool's x axis since the grasp"))
     height: float = of(Number("m", "of the tool"))
-    marker: MarkerPose | None = of(RecordOf(record=MarkerPose, nullable=True))
+    marker: MarkerPose | None = of(Nullable(kind=RecordOf(record=MarkerPose)))
 
 
 class InputHealth(Record):

@@ -49,7 +49,7 @@ _LEAST = Integer().minimum
 
 def _type_name(kind: Kind) -> str:
     if isinstance(kind, RecordOf):
-        return "map or null" if kind.nullable else "map"
+        return "map"
     if isinstance(kind, MapOf):
         return "map of maps"
     if isinstance(kind, AnyMap):
@@ -89,8 +89,9 @@ def _fields(record: type[Record], indent: str = "") -> Iterator[str]:
     for name, kind, default in record.kinds():
         about = ", ".join(part for part in (kind.unit, _range(kind), kind.doc, _absent(default)) if part)
         yield f"{indent}- `{name}` {_type_name(kind)}{': ' + about if about else ''}"
-        if isinstance(kind, (RecordOf, MapOf)) and kind.record is not None:
-            yield from _fields(kind.record, indent + "  ")
+        inner = kind.kind if isinstance(kind, Nullable) else kind
+        if isinstance(inner, (RecordOf, MapOf)) and inner.record is not None:
+            yield from _fields(inner.record, indent + "  ")
 
 
 def lines() -> Iterator[str]:

@@ -44,9 +44,9 @@ class SimWorld(Record):
     """Ground truth of the simulation, in world: ``base_footprint`` as it stood at the start."""
 
     time: float = of(Number("s", "simulated"))
-    panel: PanelState | None = of(RecordOf(record=PanelState, nullable=True))
-    bag: BagState | None = of(RecordOf(record=BagState, nullable=True))
-    hand: HandState | None = of(RecordOf(record=HandState, nullable=True))
+    panel: PanelState | None = of(Nullable(kind=RecordOf(record=PanelState)))
+    bag: BagState | None = of(Nullable(kind=RecordOf(record=BagState)))
+    hand: HandState | None = of(Nullable(kind=RecordOf(record=HandState)))
     contact_force: np.ndarray = of(Vector("N"))
     marker_visible: bool = of(Boolean())
 

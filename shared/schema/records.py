@@ -202,17 +202,14 @@ class Record(msgspec.Struct, metaclass=_Declaring):
 
 @dataclass(frozen=True)
 class RecordOf(Kind):
-    """A nested record; null where the contract says so."""
+    """A nested record."""
 
     record: type[Record] | None = None
-    nullable: bool = False
 
-    def check(self, value: Any, name: str) -> Record | None:
+    def check(self, value: Any, name: str) -> Record:
         assert self.record is not None
         if isinstance(value, self.record):
             return value
-        if value is None and self.nullable:
-            return None
         if not isinstance(value, dict):
             raise InvalidField(f"{name} is {shown(value)}, wanted a map")
         return self.record.from_plain(value, f"{name}.")

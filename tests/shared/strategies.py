@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from shared.messages import Header, Health, JointState
 from shared.schema.fields import Boolean, Bytes, Integer, Kind, Number, Quaternion, Text, TextList, Vector
-from shared.schema.records import MapOf, Record, RecordOf
+from shared.schema.records import MapOf, Nullable, Record, RecordOf
 from shared.topics import TOPICS
 
 MESSAGES: tuple[type[Record], ...] = (*dict.fromkeys(topic.message for topic in TOPICS), Health)
@@ -56,8 +56,9 @@ def value(kind: Kind, length: int = 3) -> st.SearchStrategy[Any]:
             return st.binary(max_size=200)
         case RecordOf():
             assert kind.record is not None
-            nested = plain(kind.record)
-            return st.none() | nested if kind.nullable else nested
+            return plain(kind.record)
+        case Nullable():
+            return st.none() | value(kind.kind, length)
         case MapOf():
             assert kind.record is not None
             return st.dictionaries(_texts, plain(kind.record), max_size=3)

@@ -116,7 +116,7 @@ def fields_of(record: type[Record]) -> str:
 
 def shape(kind: Kind) -> str:
     if isinstance(kind, RecordOf):
-        return ("?" if kind.nullable else "") + f"{{{fields_of(kind.record)}}}"
+        return f"{{{fields_of(kind.record)}}}"
     if isinstance(kind, MapOf):
         return f":{{text: {{{fields_of(kind.record)}}}}}"
     if isinstance(kind, Nullable):

@@ -22,7 +22,7 @@ from shared.messages import (
     TwistCommand,
 )
 from shared.schema.fields import InvalidField, Kind, Number, Vector
-from shared.schema.records import MapOf, Record, RecordOf
+from shared.schema.records import MapOf, Nullable, Record, RecordOf
 from shared.sim_messages import BagState
 from shared.topics import MAP_CAP
 from shared.wire.codec import Payload, Rejected, decode, decode_map, encode, encode_map
@@ -123,7 +123,8 @@ def test_a_command_without_a_ttl_has_that_of_the_contract() -> None:
 
 def _number_paths(record: type[Record], path: tuple[str, ...] = ()) -> list[tuple[tuple[str, ...], Kind]]:
     found: list[tuple[tuple[str, ...], Kind]] = []
-    for name, kind, _ in record.kinds():
+    for name, declared, _ in record.kinds():
+        kind = declared.kind if isinstance(declared, Nullable) else declared
         if isinstance(kind, (Number, Vector)):
             found.append(((*path, name), kind))
         elif isinstance(kind, (RecordOf, MapOf)):
