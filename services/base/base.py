@@ -122,7 +122,7 @@ class Base(Service[BaseParameters]):
         return fresh and enable.header.valid and enable.message.enabled
 
     def _limits(self, robot: RobotStatus) -> SpeedLimits:
-        """What the parameters and the robot allow together."""
+        """Limits of the parameters and of the robot together."""
         own, allowed = self.parameters, _allowed_by(robot)
         differential = robot.base_type == "differential"
         forwards = min(own.max_linear, allowed.forwards)
@@ -146,6 +146,6 @@ class Base(Service[BaseParameters]):
 
 
 def _allowed_by(robot: RobotStatus) -> SpeedLimits:
-    """What ``state/robot.max_base`` allows; the wheels of a differential base allow nothing sideways."""
+    """Limits of ``state/robot.max_base``; the wheels of a differential base allow nothing sideways."""
     vx, vy, wz = (max(0.0, speed) for speed in robot.max_base.tolist())
     return SpeedLimits(vx, vx, 0.0 if robot.base_type == "differential" else vy, math.inf, wz)

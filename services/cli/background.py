@@ -48,10 +48,10 @@ class Background(Generic[T]):
         return waits and time.monotonic() < self._deadline
 
     def result(self) -> T:
-        """What the function returned, once it is not busy.
+        """Result of the function, once it is not busy.
 
         Raises:
-            NoResult: nothing.
+            NoResult: there is none; the text says why.
         """
         if self._process.is_alive() and not self._answer.poll():
             self.end()

@@ -1,4 +1,4 @@
-"""What all commands share: options, the bus of a running stack, queries, refusals, and how they end."""
+"""Shared by all commands: options, the bus of a running stack, queries, refusals, and how they end."""
 
 from __future__ import annotations
 

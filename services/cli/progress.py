@@ -54,7 +54,7 @@ class Progress:
             self._bars.stop()
 
     def show(self, title: str, phase: str, elapsed: float | None, trouble: str, reason: str = "") -> None:
-        """What a run does now, and why; `trouble` is shown in red."""
+        """Shows what a run does now, and why; `trouble` is shown in red."""
         if self._bars:
             clock = "" if elapsed is None else f"{elapsed:4.1f} s"
             why = f"[dim]: {escape(reason)}" if reason else ""

@@ -1,1 +1,1 @@
-"""What is seen of a running stack, and what is wrong with it."""
+"""Health of a running stack: heard, judged and shown."""

@@ -1,4 +1,4 @@
-"""What is wrong with a running stack, from liveliness tokens and messages alone: one row per service, with a remedy."""
+"""Diagnosis of a running stack, from liveliness tokens and messages alone: one row per service, with a remedy."""
 
 from __future__ import annotations
 

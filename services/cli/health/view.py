@@ -1,4 +1,4 @@
-"""What `tandem up` and `tandem status` show of a stack."""
+"""View of a stack, as `tandem up` and `tandem status` show it."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def services_table(rows: list[Row], processes: Mapping[str, Child]) -> Table:
 
 
 def details(rows: list[Row]) -> list[Text]:
-    """What there is to know about services, a line each, below the table where it has the whole width."""
+    """Details of services, a line each, below the table where it has the whole width."""
     return [Text(f"{row.service}: {row.detail}", style="" if row.ok else "red") for row in rows if row.detail]
 
 

@@ -18,7 +18,7 @@ from shared.processes import FURTHER, STACK, process_named
 from shared.wire.zenoh import DEFAULT_ENDPOINT
 
 STARTABLE = (*STACK, *FURTHER)
-"""What a stack may have besides its router."""
+"""Services that a stack may have besides its router."""
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,1 @@
-"""What the certified law counts with: contacts, caps, travel in flight, yielding."""
+"""Quantities that the certified law counts with: contacts, caps, travel in flight, yielding."""
