@@ -139,7 +139,7 @@ def _rows(stack: StackProcesses, watch: Watch) -> list[Row]:
 
 
 def _with_process(row: Row, child: Child | None) -> Row:
-    """Adds what the process itself tells: how it ended, or that it has just been started and need not have spoken yet."""
+    """Adds what the process tells: how it ended, or that it has just been started and need not have spoken yet."""
     if child is None or row.ok:
         return row
     if child.status is not None:
