@@ -26,7 +26,6 @@ OVERRUN_SHARE = 1e-3
 Measure = Callable[[float, float], Segment]
 _CHAIN = """
 import json
-from benchmarks import against
 from benchmarks.latency import segments
 
 found = {}
