@@ -9,12 +9,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from shared.schema.fields import Boolean, Bytes, Integer, InvalidField, Number, Quaternion, Text, TextList, Vector
+from shared.schema.fields import (
+    Boolean,
+    Bytes,
+    Direction,
+    Integer,
+    InvalidField,
+    Number,
+    Quaternion,
+    Text,
+    TextList,
+    Vector,
+)
 from shared.schema.records import MapOf, Nullable, Record, RecordOf, of
 
 LONGEST_TTL = 0.2
 """No command is executed for longer than this [s] after its publication, whatever its ``ttl`` says."""
 _TTL = f"at most {LONGEST_TTL:g}: a longer one counts as that"
+DISTORTION_SIZES = (0, 4, 5, 8)
+"""Numbers of coefficients with which OpenCV describes a lens that is no fisheye, but for its rarest models."""
 _ZERO3 = (0.0, 0.0, 0.0)
 
 
@@ -35,6 +48,10 @@ class FtSample(Record):
     orientation: np.ndarray = of(Quaternion("", "sensor in base at that instant"))
     tool_offset: np.ndarray = of(Vector("m", "tool origin from the sensor's origin, sensor axes"))
     saturated: bool = of(Boolean(doc="some axis is at the end of its range"))
+    gravity: np.ndarray = of(
+        Direction("", "of gravity in base axes at that instant, by the robot's own tilt sensor"),
+        default=(0.0, 0.0, -1.0),
+    )
 
 
 class CameraImage(Record):
@@ -42,12 +59,27 @@ class CameraImage(Record):
 
     width: int = of(Integer("px", minimum=1))
     height: int = of(Integer("px", minimum=1))
-    encoding: str = of(Text(choices=("jpeg", "rgb8")))
+    encoding: str = of(Text(choices=("jpeg", "png", "rgb8", "bgr8", "mono8")))
     data: bytes = of(Bytes())
-    intrinsics: np.ndarray = of(Vector("px", "fx, fy, cx, cy", size=4))
-    distortion: np.ndarray = of(Vector("", "k1, k2, p1, p2, k3", size=5))
+    intrinsics: np.ndarray = of(Vector("px", "fx, fy, cx, cy of this very image, cropped and scaled as it is", size=4))
+    distortion: np.ndarray = of(
+        Vector(
+            "",
+            "none (or zeros: a rectified image), or 4, 5 or 8 of k1, k2, p1, p2, k3, k4, k5, k6 as OpenCV orders them",
+            size=None,
+        )
+    )
     position: np.ndarray = of(Vector("m", "optical frame in base"))
     orientation: np.ndarray = of(Quaternion("", "optical frame (z forward, x right) in base"))
+    distortion_model: str = of(
+        Text(doc="as ROS names it, empty if not told; a fisheye's coefficients (equidistant) are of another model"),
+        default="",
+    )
+
+    def check(self) -> None:
+        if (count := len(self.distortion)) not in DISTORTION_SIZES:
+            allowed = ", ".join(map(str, DISTORTION_SIZES))
+            raise InvalidField(f"distortion has {count} elements, wanted one of {allowed}, in OpenCV's order")
 
 
 class JointState(Record):
@@ -151,6 +183,14 @@ class ExternalWrench(Record):
     error_bound: np.ndarray = of(Vector("N, Nm", "noise, bias and compensation residual", size=6, minimum=0.0))
     compensation: str = of(Text(choices=("none", "tare", "payload")))
     fault: str = of(Text(doc="empty, or silent, stuck, saturated, invalid"))
+    zero_age: float | None = of(
+        Nullable(
+            "s",
+            "since the tare or identification of this run of the robot; -1 without one, null if not told",
+            kind=Number(minimum=-1.0),
+        ),
+        default=None,
+    )
 
 
 class ControlTarget(Record):
@@ -171,11 +211,23 @@ class ControlStatus(Record):
     reason: str = of(Text())
     law: str = of(Text(choices=("certified", "paper", "stiffness")))
     twist: np.ndarray = of(Vector("m/s, rad/s", "as commanded", size=6))
-    margin: np.ndarray = of(Vector("N, Nm", "limit - abs(w - nominal) - error_bound", size=6))
+    margin: np.ndarray = of(Vector("N, Nm", "limit in force - abs(w - nominal) - error_bound", size=6))
     active: np.ndarray = of(Vector("", "-1, 0 or 1: which bound is active", size=6))
     relaxation: float = of(Number("", "gamma"))
     lyapunov: float = of(Number("", "V"))
     solve_us: float = of(Number("us"))
+    limit: np.ndarray | None = of(
+        Nullable(
+            "N, Nm",
+            "6 numbers, in force in this tick: `margin` and `active` count against them; 0 without a target",
+            kind=Vector(size=6, minimum=0.0),
+        ),
+        default=None,
+    )
+    nominal: np.ndarray | None = of(
+        Nullable("N, Nm", "6 numbers, in force in this tick: the limits are centred on it", kind=Vector(size=6)),
+        default=None,
+    )
 
 
 class BaseStatus(Record):

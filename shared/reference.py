@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator
 from dataclasses import MISSING
@@ -82,7 +83,8 @@ def _absent(default: Any) -> str:
         return ""
     if isinstance(default, np.ndarray):
         return f"[{', '.join(f'{number:g}' for number in default)}] if absent"
-    return f"{'empty' if default == '' else default} if absent"
+    # As MessagePack has it: null, not None.
+    return f"{json.dumps(default) if default != '' else 'empty'} if absent"
 
 
 def _fields(record: type[Record], indent: str = "") -> Iterator[str]:

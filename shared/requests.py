@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from shared.schema.fields import Anything, Integer, Number, Text, Vector
+from shared.schema.fields import Anything, Boolean, Integer, Number, Text, Vector
 from shared.schema.records import AnyMap, MapOf, Nullable, Record, of
 
 SHORTEST_AVERAGE, LONGEST_AVERAGE = 0.1, 30.0
 """Duration [s] of one measurement."""
+_FORCE = Boolean(doc="adopt it although it is implausible; `warning` then says what is")
+_WARNING = Text(doc="what is implausible about what was adopted by force, else empty")
 _DURATION = Number("s", "of the average", minimum=SHORTEST_AVERAGE, maximum=LONGEST_AVERAGE)
 
 
@@ -22,6 +24,7 @@ class Tare(Record):
     """Average the sensor while the tool is still, and subtract that from now on. Refused while moving or unhealthy."""
 
     duration: float = of(_DURATION, default=1.0)
+    force: bool = of(_FORCE, default=False)
 
 
 class Tared(Record):
@@ -31,6 +34,8 @@ class Tared(Record):
     torque: np.ndarray = of(Vector("Nm", "about the sensor's origin"))
     samples: int = of(Integer(minimum=0))
     std: np.ndarray = of(Vector("N, Nm", "standard deviation of one reading", size=6))
+    replaced_age: float = of(Number("s", "age of the zero that this one replaces, -1 without one"), default=-1.0)
+    warning: str = of(_WARNING, default="")
 
 
 class StartIdentification(Record):
@@ -45,6 +50,8 @@ class AddPose(Record):
 
 class SolveIdentification(Record):
     """Find the payload, and subtract it from now on. Refused when the poses do not excite it."""
+
+    force: bool = of(_FORCE, default=False)
 
 
 class CancelIdentification(Record):
@@ -77,6 +84,7 @@ class Solved(Record):
     condition: float = of(Number("1", "of the poses"))
     poses: int = of(Integer(minimum=0))
     file: str = of(Text(doc="where it was written, empty if nowhere"))
+    warning: str = of(_WARNING, default="")
 
 
 class TaskCommand(Record):

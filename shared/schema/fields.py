@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from msgspec import Meta
 
-_QUATERNION_TOLERANCE = 1e-3
+_NORM_TOLERANCE = 1e-3
 FLOAT_ONLY = {float}
 _LEAST_INTEGER, _END_OF_INTEGERS = -(2**63), 2**64
 
@@ -161,21 +161,28 @@ class Vector(Kind):
 
 
 @dataclass(frozen=True)
-class Quaternion(Vector):
-    """Unit quaternion ``[x, y, z, w]``; a norm off by more than 0.001 is refused, a smaller error normalised."""
+class Direction(Vector):
+    """Unit vector; a norm off by more than 0.001 is refused, a smaller error normalised."""
 
-    size: int | None = 4
+    _form: ClassVar[str] = "a unit vector [x, y, z]"
 
     @property
     def any_finite(self) -> bool:
         return False
 
     def canonical(self, numbers: Sequence[float], name: str) -> Sequence[float]:
-        x, y, z, w = numbers
-        norm = math.hypot(x, y, z, w)
-        if abs(norm - 1.0) > _QUATERNION_TOLERANCE:
-            raise InvalidField(f"{name} has norm {norm:g}, wanted a unit quaternion [x, y, z, w]")
-        return (x / norm, y / norm, z / norm, w / norm)
+        norm = math.hypot(*numbers)
+        if abs(norm - 1.0) > _NORM_TOLERANCE:
+            raise InvalidField(f"{name} has norm {norm:g}, wanted {self._form}")
+        return tuple(number / norm for number in numbers)
+
+
+@dataclass(frozen=True)
+class Quaternion(Direction):
+    """Unit quaternion ``[x, y, z, w]``, checked like a direction."""
+
+    _form: ClassVar[str] = "a unit quaternion [x, y, z, w]"
+    size: int | None = 4
 
 
 def read_only(numbers: Sequence[float]) -> np.ndarray:

@@ -7,8 +7,8 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from shared.messages import Header, Health, JointState
-from shared.schema.fields import Boolean, Bytes, Integer, Kind, Number, Quaternion, Text, TextList, Vector
+from shared.messages import DISTORTION_SIZES, CameraImage, Header, Health
+from shared.schema.fields import Boolean, Bytes, Direction, Integer, Kind, Number, Text, TextList, Vector
 from shared.schema.records import MapOf, Nullable, Record, RecordOf
 from shared.topics import TOPICS
 
@@ -27,16 +27,16 @@ def _number(kind: Number) -> st.SearchStrategy[float]:
     return st.floats(lowest, min(kind.maximum, _LARGE), exclude_min=kind.above == lowest)
 
 
-def _quaternion() -> st.SearchStrategy[list[float]]:
-    parts = st.lists(st.floats(-1, 1), min_size=4, max_size=4)
+def _direction(size: int) -> st.SearchStrategy[list[float]]:
+    parts = st.lists(st.floats(-1, 1), min_size=size, max_size=size)
     return parts.filter(lambda q: math.hypot(*q) > 1e-3).map(lambda q: [x / math.hypot(*q) for x in q])
 
 
 def value(kind: Kind, length: int = 3) -> st.SearchStrategy[Any]:
     """A plain value, as MessagePack carries it, that the contract admits for a field of this kind."""
     match kind:
-        case Quaternion():
-            return _quaternion()
+        case Direction(size=int(size)):
+            return _direction(size)
         case Vector():
             size = kind.size if kind.size is not None else length
             lowest = max(kind.above, kind.minimum, -_LARGE)
@@ -67,12 +67,11 @@ def value(kind: Kind, length: int = 3) -> st.SearchStrategy[Any]:
 
 def plain(message: type[Record]) -> st.SearchStrategy[dict[str, Any]]:
     """Every field of a message, as plain values."""
-    if message is JointState:
-        return st.integers(0, 5).flatmap(lambda length: _fields(message, length))
-    return _fields(message)
+    lengths = st.sampled_from(DISTORTION_SIZES) if message is CameraImage else st.integers(0, 5)
+    return lengths.flatmap(lambda length: _fields(message, length))
 
 
-def _fields(message: type[Record], length: int = 3) -> st.SearchStrategy[dict[str, Any]]:
+def _fields(message: type[Record], length: int) -> st.SearchStrategy[dict[str, Any]]:
     return st.fixed_dictionaries({name: value(kind, length) for name, kind, _ in message.kinds()})
 
 
