@@ -1,0 +1,62 @@
+"""Whether readings contradict what was declared: if none does, nobody could have found out by them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from benchmarks.honest.sensor import DOWN, TOOL_OFFSET
+from services.wrench.compensation import gravity_in_sensor
+from shared.spatial import GRAVITY, Array, skew
+
+_MASSES = np.linspace(0.0, 1.0, 201)  # [1] of the largest declared one
+
+
+def tare_possible(mean: Array, error: Array, rotation: Array, declared: Any) -> bool:
+    """Whether some tool and some bias, both as declared, give this average at rest.
+
+    For each mass m the force leaves a bias, and so does the torque but for where the centre may be.
+
+    Args:
+        mean: average (6,) [N, Nm], sensor axes.
+        error: bound (6,) on its error.
+        rotation: sensor in base (3, 3).
+        declared: the wrench service's parameters.
+    """
+    field = gravity_in_sensor(rotation)
+    aside = declared.tool_reach * np.sqrt(np.maximum(0.0, GRAVITY**2 - field**2))
+    for mass in declared.tool_mass * _MASSES:
+        weight = mass * np.concatenate((field, np.cross(TOOL_OFFSET, field)))
+        room = np.array(declared.bias_bound) + error + mass * np.concatenate((np.zeros(3), aside))
+        if (np.abs(mean - weight) <= room).all():
+            return True
+    return False
+
+
+def identification_possible(means: Array, error: Array, rotations: list[Array], declared: Any, slope: float) -> bool:
+    """Whether some tool and some bias, both as declared, give these averages at rest.
+
+    Args:
+        means: averages (n, 6).
+        error: bound (6,) on the error of each.
+        rotations: sensor in base (3, 3) of each.
+        declared: the wrench service's parameters.
+        slope: tilt of the floor [rad] that is declared.
+    """
+    down = [rotation.T @ DOWN for rotation in rotations]
+    forces = np.vstack([np.column_stack((axis, np.eye(3))) for axis in down])
+    torques = np.vstack([np.column_stack((-skew(axis), np.eye(3))) for axis in down])
+    found, left = [], []
+    for rows, part in ((forces, means[:, :3]), (torques, means[:, 3:])):
+        solution = np.linalg.lstsq(rows, part.ravel(), rcond=None)[0]
+        found.append(solution)
+        left.append((part.ravel() - rows @ solution).reshape(part.shape))
+    weight, bias = found[0][0], np.concatenate((found[0][1:], found[1][3:]))
+    leaning = slope * abs(weight) * np.array((1.0, 1.0, 1.0, 0.2, 0.2, 0.2))
+    allowed = error + leaning
+    explained = (np.abs(np.hstack(left)) <= allowed).all()
+    heavy = declared.tool_mass * GRAVITY + allowed[0] * 2.0
+    return bool(
+        explained and 0.0 < weight < heavy and (np.abs(bias) <= np.array(declared.bias_bound) + 2 * allowed).all()
+    )
