@@ -58,9 +58,12 @@ class Compensation(Record):
 
     def offset(self, rotation: Array) -> Array:
         """What to subtract (6,) [N, Nm] from a reading taken with the sensor at ``rotation`` in base."""
-        if self.kind == "payload":
-            return self.bias + _weight_of_up(self).dot(rotation[2])
-        return self.bias
+        weight = self.weight(rotation)
+        return self.bias if weight is None else self.bias + weight
+
+    def weight(self, rotation: Array) -> Array | None:
+        """Weight (6,) [N, Nm] of the identified payload, sensor axes; None without one."""
+        return _weight_of_up(self).dot(rotation[2]) if self.kind == "payload" else None
 
     def tared(self, reading: Array, error: Array, noise: Array, rotation: Array) -> Compensation:
         """This compensation after a tare: the average ``reading`` (6,) is what nothing touching looks like.

@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from shared.parameters import Parameters, Vector6, option, parameter
+import math
+
+from services.wrench.averaging import AXES, UNITS
+from shared.parameters import Parameters, Refused, Vector6, option, parameter
+from shared.robot.tiago import SENSOR_RANGE
+from shared.spatial import GRAVITY
+
+LONGEST_LAG = 0.1
+"""Lag [s] of the low pass beyond which no `delay` of the controller can count it."""
 
 
 class WrenchParameters(Parameters):
@@ -29,14 +37,55 @@ class WrenchParameters(Parameters):
         0.83, "kg", 0.0, 50.0, "largest mass beyond the sensor while it is not identified (TIAGo's gripper: 0.8226)"
     )
     tool_reach: float = parameter(0.1, "m", 0.0, 2.0, "largest distance of that mass' centre from the tool's origin")
+    resolution: Vector6 = parameter(
+        (0.0,) * 6, "N, Nm", 0.0, 100.0, "step of the readings, or width of their dead zone, 0 = unknown, or none"
+    )
+    sensor_range: Vector6 = parameter(
+        tuple(SENSOR_RANGE.tolist()),
+        "N, Nm",
+        0.01,
+        1e6,
+        "largest reading of each axis (TIAGo's: Schunk Mini45): saturated at it, invalid beyond it",
+    )
     stuck_after: float = parameter(
         0.1,
         "s",
         0.02,
         1.0,
-        "time within which an axis that repeats one value is reported as stuck; raise it for a coarse sensor",
+        "time within which an axis that has lost its noise is reported as stuck; coarse ones take longer by themselves",
     )
     max_delay: float = parameter(
         0.02, "s", 1e-3, 0.2, "bound on how much later than the fastest one a sample may arrive"
     )
     payload: str = option("", "TOML file of an identified payload, empty = none")
+
+    def check(self) -> None:
+        """Hold the parameters against each other.
+
+        Raises:
+            Refused: if they contradict.
+        """
+        lag = 1.0 / (2.0 * math.pi * self.lowpass_hz) if self.lowpass_hz > 0.0 else 0.0
+        if lag > LONGEST_LAG:
+            raise Refused(
+                f"lowpass_hz is {self.lowpass_hz:g}, which is {lag:.2g} s late: the controller's delay can count "
+                f"{LONGEST_LAG:g} s at most; allowed is 0, or {1.0 / (2.0 * math.pi * LONGEST_LAG):.1f} Hz or more"
+            )
+        for axis, unit, noise, bias, step, end in zip(
+            AXES, UNITS, self.noise_bound, self.bias_bound, self.resolution, self.sensor_range, strict=True
+        ):
+            if noise < step / 2.0:
+                raise Refused(
+                    f"noise_bound is {noise:g} {unit} in {axis}, the rounding to steps of {step:g} (resolution) "
+                    f"alone is {step / 2.0:g}: raise noise_bound, or lower resolution"
+                )
+            if noise + bias >= end:
+                raise Refused(
+                    f"noise_bound and bias_bound are {noise + bias:g} {unit} together in {axis}, sensor_range is "
+                    f"{end:g}: nothing could be told from the bias"
+                )
+        if self.tool_mass * GRAVITY >= max(self.sensor_range[:3]):
+            raise Refused(
+                f"tool_mass is {self.tool_mass:g} kg, its weight of {self.tool_mass * GRAVITY:.0f} N is beyond "
+                f"sensor_range ({max(self.sensor_range[:3]):g} N)"
+            )

@@ -66,7 +66,15 @@ class Wrench(Service[WrenchParameters]):
         settings = self.parameters
         raw = np.concatenate((sample.force, sample.torque))
         rotation = rotation_matrix(sample.orientation)
-        fault = self._watch.update(raw, sample.saturated, dt, settings.stuck_after)
+        fault = self._watch.update(
+            raw,
+            sample.saturated,
+            dt,
+            settings.stuck_after,
+            settings.resolution,
+            settings.sensor_range,
+            self.compensation.weight(rotation),
+        )
         to_tool = transport(rotation, sample.tool_offset)
         wrench = to_tool.dot(raw - self.compensation.offset(rotation))
         wrench = self._lowpass.filter(wrench, settings.lowpass_hz, dt)
@@ -80,7 +88,7 @@ class Wrench(Service[WrenchParameters]):
             settings.tool_reach,
         )
         self._last = ExternalWrench(wrench[:3], wrench[3:], bound, self.compensation.kind, fault)
-        self._trouble = f"the sensor is {fault}" if fault else ""
+        self._trouble = f"the sensor is {fault}: {self._watch.reason}" if fault else ""
         if fault:
             self._measurements.abort(self._trouble)
         else:
@@ -124,8 +132,8 @@ class Wrench(Service[WrenchParameters]):
             self._adopt(self.compensation)
 
     def notes(self) -> str:
-        """Why the next start may have to tare again, if so."""
-        return self._journal.problem
+        """What a person should know of sensor, zero and files although the service works."""
+        return "; ".join(filter(None, (self._trouble, self._watch.notes(), self._journal.problem)))
 
     def _configured(self, parameters: WrenchParameters, reload: bool) -> None:
         if reload:
@@ -139,6 +147,7 @@ class Wrench(Service[WrenchParameters]):
         """Another run of the robot process: what the journal has for it is taken up, else what is in force is kept."""
         recalled = self._journal.recall(session, self.parameters.payload) if self._session is None else None
         self._session = session
+        self._watch = SensorWatch()
         if recalled is not None:
             self.compensation = recalled
         elif self.compensation.kind != "none":

@@ -1,14 +1,21 @@
-"""A stuck axis is told from a living one, and from a saturated one, in time and at every rate."""
+"""A stuck axis is told from a living one, a saturated one and one that repeats values in health, at every rate."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Iterator
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from services.wrench.sensor_watch import SATURATED, STUCK, SensorWatch
+from services.wrench.sensor_watch import INVALID, SATURATED, STUCK, SensorWatch
+from shared.spatial import Array
 from tests.services.wrench.sensor import NOISE
 
 STUCK_AFTER = 0.1
+LIVED = 50  # readings
 
 
 class Stream:
@@ -31,7 +38,7 @@ class Stream:
 @pytest.mark.parametrize("axis", range(6))
 def test_one_stuck_axis_is_reported_within_its_time(rate: int, axis: int) -> None:
     stream = Stream(1 / rate)
-    for _ in range(50):
+    for _ in range(LIVED):
         assert stream.next() == ""
     repeats = 0
     while stream.next(stuck=(axis,)) == "":
@@ -46,18 +53,111 @@ def test_a_living_sensor_is_never_stuck() -> None:
     assert {stream.next() for _ in range(20_000)} == {""}
 
 
-def test_a_coarse_sensor_that_repeats_by_chance_is_not_stuck() -> None:
-    watch, random = SensorWatch(), np.random.default_rng(2)
-    resolution = 0.2 * NOISE
-    for _ in range(5_000):
-        reading = resolution * np.round(5.0 * random.standard_normal(6))
-        assert watch.update(reading, False, 0.01, STUCK_AFTER) == ""
-
-
-def test_a_constant_source_is_stuck() -> None:
+def reports(readings: Iterator[Array] | list[Array], rate: float = 100.0, **declared: tuple[float, ...]) -> list[str]:
     watch = SensorWatch()
-    reports = [watch.update(np.ones(6), False, 0.01, STUCK_AFTER) for _ in range(20)]
-    assert reports[0] == "" and reports[-1] == STUCK
+    return [watch.update(reading, False, 1 / rate, STUCK_AFTER, **declared) for reading in readings]
+
+
+def noisy(count: int, seed: int = 0) -> Array:
+    return NOISE * np.random.default_rng(seed).standard_normal((count, 6))
+
+
+@given(share=st.floats(0.01, 0.5), rate=st.sampled_from([30.0, 100.0, 500.0]), seed=st.integers(0, 99))
+@settings(max_examples=20, deadline=None)
+def test_steps_up_to_half_the_noise_are_never_stuck(share: float, rate: float, seed: int) -> None:
+    step = share * NOISE
+    assert set(reports(step * np.round(noisy(1_000, seed) / step), rate)) == {""}
+
+
+@given(share=st.floats(1.0, 8.0), offset=st.floats(0.0, 1.0), seed=st.integers(0, 99))
+@settings(max_examples=20, deadline=None)
+def test_coarser_steps_are_not_stuck_either_declared_or_not(share: float, offset: float, seed: int) -> None:
+    step = share * NOISE
+    within = np.repeat((offset, 0.5 - offset), 500)[:, None]  # another load then, elsewhere within a step
+    readings = step * np.round(noisy(1_000, seed) / step + within)
+    assert set(reports(readings)) == {""}
+    assert set(reports(readings, resolution=tuple(step))) == {""}
+
+
+def ideal(time: float) -> Array:
+    """A simulator without noise: rest, a push that comes and goes, rest, at an axis that is always exactly zero."""
+    push = math.sin(math.pi * (time - 1.0)) ** 2 if 1.0 < time < 3.0 else 0.0
+    return push * np.array((0.0, 10.0, -20.0, 1.0, 0.5, 0.0)) + (0, 0, -8.0, 0, 0, 0)
+
+
+def dead(readings: Array) -> Array:
+    return np.where(np.abs(readings) < 4 * NOISE, 0.0, readings)
+
+
+ramps = np.concatenate((np.zeros(300), np.linspace(0, 10, 200), np.linspace(10, 0, 200), np.zeros(300)))[:, None]
+SOUND: dict[str, Callable[[], Array]] = {
+    "without noise": lambda: np.array([ideal(0.01 * n) for n in range(500)]),
+    "constant": lambda: np.ones((100, 6)),
+    "one axis always zero": lambda: noisy(500) * (0, 1, 1, 1, 1, 1),
+    "dead zone": lambda: dead(noisy(1_000) + ramps * (1, 1, 1, 0.05, 0.05, 0.05)),
+}
+
+
+@pytest.mark.parametrize("name", SOUND)
+def test_what_repeats_values_in_health_is_not_stuck(name: str) -> None:
+    assert set(reports(SOUND[name]())) == {""}
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3])
+def test_a_coarse_axis_that_freezes_is_found_a_little_later(share: float) -> None:
+    readings = noisy(600)
+    step = share * NOISE
+    if share:
+        readings = step * np.round(readings / step)
+    readings[500:, 3] = readings[500, 3]
+    words = reports(readings)
+    onset = words.index(STUCK)
+    assert 500 < onset <= (508 if not share else 515)
+
+
+def test_all_axes_at_once_are_another_cause_than_one() -> None:
+    said = []
+    for axes in ([4], list(range(6))):
+        watch = SensorWatch()
+        readings = noisy(80)
+        readings[60:, axes] = readings[59, axes]
+        for reading in readings:
+            word = watch.update(reading, False, 0.01, STUCK_AFTER)
+        assert word == STUCK
+        said.append(watch.reason)
+    assert "torque y" in said[0] and "cable" in said[0] and "all axes" in said[1] and "repeat an old" in said[1]
+    assert all("resolution" in text for text in said)
+
+
+def test_a_reading_that_does_not_follow_the_identified_weight_is_stuck_without_any_noise() -> None:
+    def turned(angle: float, frozen: bool) -> str:
+        watch = SensorWatch()
+        for share in np.linspace(0.0, 1.0, 50):
+            weight = 8.0 * np.array((math.sin(share * angle), 0, -math.cos(share * angle), 0, 0, 0))
+            reading = np.array((0.0, 0, -8.0, 0, 0, 0)) if frozen else weight
+            word = watch.update(reading, False, 0.01, STUCK_AFTER, weight=weight)
+        return word
+
+    assert turned(0.3, frozen=True) == STUCK
+    assert turned(0.3, frozen=False) == turned(0.05, frozen=True) == ""
+
+
+def test_an_axis_that_never_changed_is_spoken_of() -> None:
+    watch = SensorWatch()
+    for reading in noisy(300) * (0, 1, 1, 1, 1, 1):
+        watch.update(reading, False, 0.01, STUCK_AFTER)
+    assert watch.notes().startswith("force x at 0 N has not changed since the start: a sensor of fewer axes?")
+    watch.update(np.ones(6), False, 0.01, STUCK_AFTER)
+    assert watch.notes() == ""
+
+
+def test_an_axis_that_freezes_farther_out_than_ever_is_saturated() -> None:
+    readings = noisy(400)
+    readings[200:, 2] += np.minimum(np.arange(200) * 2.0, 300.0)
+    readings[:, 2] = np.minimum(readings[:, 2], 250.0)
+    assert set(reports(readings)) == {"", SATURATED}
+    assert set(reports(readings, sensor_range=(250.0,) * 6)[330:]) == {SATURATED}
+    assert set(reports(readings, sensor_range=(249.0,) * 6)[330:]) == {INVALID}
 
 
 def test_one_gap_does_not_make_a_stuck_axis() -> None:
@@ -76,7 +176,9 @@ def test_saturation_is_told_apart_at_once_and_ends_at_once() -> None:
 
 def test_recovery_takes_as_long_again() -> None:
     stream = Stream(0.01)
+    for _ in range(LIVED):
+        stream.next()
     for _ in range(20):
         stream.next(stuck=(4,))
-    reports = [stream.next() for _ in range(20)]
-    assert reports[5] == STUCK and reports[-1] == ""
+    words = [stream.next() for _ in range(20)]
+    assert words[5] == STUCK and words[-1] == ""
