@@ -107,10 +107,17 @@ SERVICES = tuple(process.name for process in PROCESSES if process.service)
 """Whoever has health, a liveliness token and a table in a configuration file."""
 STACK = tuple(process.name for process in PROCESSES if process.service and process.started == "always")
 """The services of every stack."""
-ROBOTS = tuple(process.name for process in PROCESSES if process.publisher == ROBOT)
-"""The processes of which one stands for the robot."""
+ROBOTS = (*(process.name for process in PROCESSES if process.publisher == ROBOT), ROBOT)
+"""The processes of which one stands for the robot: the last of them is whatever a real robot has."""
+HEALTHY = (*SERVICES, ROBOT)
+"""Whoever may tell a health."""
 FURTHER = tuple(process.name for process in PROCESSES if process.started == "with")
 """The services that a stack has if it is told so."""
+
+
+def same_kind(name: str) -> tuple[str, ...]:
+    """Names of all processes of which one at a time may run for a robot, given one of them."""
+    return ROBOTS if name in ROBOTS else (name,)
 
 
 def process_named(name: str) -> Process:

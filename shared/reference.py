@@ -29,7 +29,8 @@ Generated from `shared/topics.py` by `python -m shared.reference`; `make test` f
 - A twist is the linear velocity of the tool's origin and the angular velocity, relative to `base`. A wrench is what the
   environment exerts on the robot: a mass of 1 kg that hangs from the tool gives force z = -9.81 N.
 - Every subscription is latest-value. Nobody may queue control data.
-- A running service holds the liveliness token `<robot>/alive/<service>`.
+- A running service holds the liveliness tokens `<robot>/alive/<service>` and `<robot>/alive/<service>/<session>`, the
+  session of its headers. One of a kind at a time: a second one ends with status 3.
 """
 
 _TYPES: tuple[tuple[type[Kind], str], ...] = (

@@ -20,7 +20,8 @@ from shared.parameters import Refused
 from shared.spatial import Array, rotation_matrix
 from shared.wire.bus import NoReply
 from shared.wire.client import Client
-from shared.wire.zenoh import BusError, ZenohBus
+from shared.wire.endpoint import BusError
+from shared.wire.zenoh import ZenohBus
 
 FOUND_WITHIN = 1.0  # [s]
 LIMIT = (25.0,) * 3 + (10.0,) * 3

@@ -16,8 +16,9 @@ from shared.parameters import Refused
 from shared.topics import Query
 from shared.wire.bus import Bus, NoReply
 from shared.wire.client import Client
-from shared.wire.zenoh import DEFAULT_ENDPOINT as DEFAULT_ENDPOINT
-from shared.wire.zenoh import BusError, ZenohBus
+from shared.wire.endpoint import DEFAULT_ENDPOINT as DEFAULT_ENDPOINT
+from shared.wire.endpoint import BusError
+from shared.wire.zenoh import ZenohBus
 
 Robot = Annotated[
     str, typer.Option("--robot", envvar="TANDEM_ROBOT", help="First part of every key: which robot this is about.")

@@ -13,7 +13,7 @@ from services.experiment import experiments
 from services.experiment.experiments import EXPERIMENTS
 from services.experiment.play.process import play
 from shared.loop.config import Misconfigured, OneLineParser, complain, robot_name, service_parser
-from shared.wire.zenoh import BusError
+from shared.wire.endpoint import BusError
 
 NAME = "experiment"
 

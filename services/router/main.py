@@ -9,7 +9,8 @@ from pathlib import Path
 
 from shared.loop.config import Misconfigured, OneLineParser, complain
 from shared.loop.process import StopRequest
-from shared.wire.zenoh import DEFAULT_ENDPOINT, BusError, open_router
+from shared.wire.endpoint import DEFAULT_ENDPOINT, BusError
+from shared.wire.zenoh import open_router
 
 NAME = "router"
 

@@ -14,7 +14,7 @@ from typing import Any, Generic, NoReturn, TypeVar
 
 from shared.parameters import Parameters, Refused
 from shared.processes import SERVICES
-from shared.wire.zenoh import DEFAULT_ENDPOINT
+from shared.wire.endpoint import DEFAULT_ENDPOINT
 
 P = TypeVar("P", bound=Parameters)
 

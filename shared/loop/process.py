@@ -12,15 +12,19 @@ from typing import TypeVar
 
 from shared.clock import SteadyClock, seconds
 from shared.loop.config import Misconfigured, complain, settings
+from shared.loop.door import SECOND, Door, Occupied
 from shared.loop.runner import Runner
 from shared.parameters import Parameters, Refused
 from shared.service import Service
-from shared.wire.zenoh import BusError, ZenohBus, check_endpoint
+from shared.wire.endpoint import BusError, check_endpoint
+from shared.wire.publisher import Publisher
+from shared.wire.zenoh import ZenohBus
 
 P = TypeVar("P", bound=Parameters)
 
 COLLECT_EVERY = 1.0
 """Time [s] between two collections of garbage; a step leaves next to none."""
+LOOK_EVERY = 0.5  # [s] between two looks for another one of this kind
 
 
 class StopRequest:
@@ -42,22 +46,29 @@ def run(make: Callable[[P], Service], parameters: type[P], name: str, arguments:
     """Run a service until SIGTERM or SIGINT.
 
     Returns:
-        Exit status: 0 after a signal, 2 with one line on standard error after a bad configuration.
+        Exit status: 0 after a signal; with one line on standard error 2 after a bad configuration, 3 if another one of
+        its kind is there.
     """
     stop = StopRequest()
     try:
         chosen = settings(name, parameters, arguments)
         check_endpoint("--connect", chosen.connect)
         service = make(chosen.parameters)
-        bus = ZenohBus(chosen.robot, chosen.connect, give_up=_told_waiting(name, chosen.connect, stop))
+        bus = ZenohBus(chosen.robot, chosen.connect, give_up=told_waiting(name, chosen.connect, stop))
     except (Misconfigured, Refused) as problem:
         return complain(name, problem)
     except BusError as problem:
         return 0 if stop.requested else complain(name, problem)
-    loop = Loop(stop)
-    runner = Runner(service, bus, SteadyClock(), stop.wake.set, loop.on_driver, _report)
+    publisher = Publisher(bus, SteadyClock())
+    door = Door(bus, name, publisher.session, f"as {chosen.robot} on {chosen.connect}")
     try:
-        loop.run(runner)
+        door.enter(give_up=lambda: stop.requested)
+        if not stop.requested:
+            loop = Loop(stop, door.gives_way)
+            loop.run(Runner(service, bus, SteadyClock(), stop.wake.set, loop.on_driver, _report, publisher))
+    except Occupied as problem:
+        _report(f"{name}: {problem}")
+        return SECOND
     finally:
         bus.close()
     return 0
@@ -68,10 +79,12 @@ class Loop:
 
     Args:
         stop: ends the loop.
+        gives_way: why the loop has to end for another one of its kind, empty if it need not; asked now and then.
     """
 
-    def __init__(self, stop: StopRequest) -> None:
+    def __init__(self, stop: StopRequest, gives_way: Callable[[], str] = lambda: "") -> None:
         self._stop = stop
+        self._gives_way = gives_way
         self._turn = threading.Lock()
         self._runner: Runner | None = None
         self._failure: Exception | None = None
@@ -94,8 +107,12 @@ class Loop:
             self._stop.wake.set()
 
     def run(self, runner: Runner) -> None:
-        """Poll the runner whenever it is woken or due, until a stop is requested; brake once more whatever ends it."""
-        clock = SteadyClock()
+        """Poll the runner whenever it is woken or due, until a stop is requested; brake once more whatever ends it.
+
+        Raises:
+            Occupied: it had to give way.
+        """
+        clock, look = SteadyClock(), 0.0
         # What was built until here lives as long as the process: a collector need not walk it. What comes later it
         # walks between two steps instead of in the middle of one.
         gc.collect()
@@ -115,6 +132,10 @@ class Loop:
                 # What fails in the other thread ends the process as it would here.
                 if self._failure is not None:
                     raise self._failure
+                if time.monotonic() >= look:
+                    look = time.monotonic() + LOOK_EVERY
+                    if reason := self._gives_way():
+                        raise Occupied(reason)
         finally:
             with self._turn:
                 self._runner = None
@@ -133,7 +154,8 @@ def _report(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
 
 
-def _told_waiting(name: str, connect: str, stop: StopRequest) -> Callable[[], bool]:
+def told_waiting(name: str, connect: str, stop: StopRequest) -> Callable[[], bool]:
+    """Whether to give up waiting for a router; says once that it waits."""
     told = False
 
     def give_up() -> bool:

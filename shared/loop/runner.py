@@ -41,6 +41,7 @@ class Runner:
         work: called when the driving topic has something to do, in a thread that may call ``poll`` itself, with the
             argument for it; ``wake`` if not given.
         report: told each change of the service's state, one line.
+        publisher: what it publishes with; one of its own if not given.
     """
 
     def __init__(
@@ -51,12 +52,14 @@ class Runner:
         wake: Callable[[], None] = lambda: None,
         work: Work | None = None,
         report: Callable[[str], None] = lambda line: None,
+        publisher: Publisher | None = None,
     ) -> None:
         self.service = service
         self._bus = bus
         self._clock = clock
         self._report = report
-        self.publish = Publisher(bus, clock).publish
+        publisher = publisher or Publisher(bus, clock)
+        self.publish = publisher.publish
         wiring = service.wiring
         self._driver = wiring.driver if isinstance(wiring.driver, Topic) else None
         self._period_ns = 0 if isinstance(wiring.driver, Topic) else nanoseconds(wiring.driver)
@@ -83,7 +86,7 @@ class Runner:
         self._required = [self.subscriptions[topic.key] for topic in wiring.required]
         for query in (*wiring.queries, *((wiring.parameters,) if wiring.parameters else ())):
             bus.serve(query.key, self._desk.inbox(query))
-        bus.alive(wiring.name)
+        bus.alive(wiring.name, publisher.session)
 
     def next_deadline(self) -> int:
         """When ``poll`` is due at the latest [ns], if nothing wakes it before."""

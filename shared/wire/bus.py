@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 OnPayload = Callable[[bytes], None]
@@ -58,12 +58,32 @@ class Bus(Protocol):
         """
         ...
 
-    def alive(self, name: str) -> None:
-        """Hold the liveliness token of a service until the bus is closed."""
+    def claim(self, name: str, session: int) -> Leave:
+        """Hold the liveliness token of one start of a participant, by which two of a kind are told apart.
+
+        Returns:
+            What gives it back.
+        """
+        ...
+
+    def alive(self, name: str, session: int) -> None:
+        """Hold the liveliness tokens of a service and of this start of it until the bus is closed."""
         ...
 
     def living(self) -> set[str]:
         """Names of the services whose token exists."""
+        ...
+
+    def sessions(self, name: str) -> set[int]:
+        """All starts of a participant that hold a token, asked of the network."""
+        ...
+
+    def present(self) -> Mapping[int, str]:
+        """Name of the participant by session, of all that the network has told of so far; asks nobody."""
+        ...
+
+    def connected(self) -> bool:
+        """Whether there is a way to the others at present."""
         ...
 
     def close(self) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 
 from shared.clock import nanoseconds
@@ -67,6 +67,7 @@ class LocalBus:
         self._subscribers: dict[str, tuple[OnPayload, ...]] = {}
         self._servers: dict[str, OnRequest] = {}
         self._living: set[str] = set()
+        self._present: dict[int, str] = {}
 
     def publish(self, key: str, payload: bytes) -> None:
         """Deliver after the latency, in order."""
@@ -127,19 +128,42 @@ class LocalBus:
         self._servers[key](payload, on_reply)
         return True
 
-    def alive(self, name: str) -> None:
-        """Count the service as living."""
+    def claim(self, name: str, session: int) -> Leave:
+        """Count one start of a participant as present, until what is returned is called."""
+        self._present[session] = name
+
+        def leave() -> None:
+            del self._present[session]
+
+        return leave
+
+    def alive(self, name: str, session: int) -> None:
+        """Count the service as living, and this start of it as present."""
         self._living.add(name)
+        self.claim(name, session)
 
     def living(self) -> set[str]:
         """Names of the living services."""
         return set(self._living)
+
+    def sessions(self, name: str) -> set[int]:
+        """Starts of a participant that are present."""
+        return {session for session, other in self._present.items() if other == name}
+
+    def present(self) -> Mapping[int, str]:
+        """Name of the participant by session."""
+        return dict(self._present)
+
+    def connected(self) -> bool:
+        """Always: within a process nothing comes between."""
+        return True
 
     def close(self) -> None:
         """Forget everybody."""
         self._subscribers.clear()
         self._servers.clear()
         self._living.clear()
+        self._present.clear()
 
 
 def _deliver(subscribers: tuple[OnPayload, ...], payload: bytes) -> None:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +13,8 @@ import zenoh
 
 from shared.topics import MAP_CAP, TOPICS, topic_by_key
 from shared.wire.bus import Leave, NoReply, OnPayload, OnRequest, Work
+from shared.wire.endpoint import DEFAULT_ENDPOINT, BusError, check_endpoint, next_port
 
-DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 _LEASE_MS = 1000
 """A peer that says nothing for this long is gone; Zenoh's default of ten seconds hides a hung process."""
 _LARGEST_MESSAGE = 2 * max(topic.cap for topic in TOPICS)
@@ -25,11 +24,6 @@ fifth of a message's latency. Sending keeps its own, without which large payload
 _NEWEST = 16
 """So many of the newest payloads are kept while a thread is busy; what matters is the last, the others are counted."""
 _ALIVE = "alive"
-_ENDPOINT = re.compile(r"(tcp|tls|udp|quic|ws)/[^?#]+:(?P<port>\d{1,5})([?#].*)?")
-
-
-class BusError(Exception):
-    """The bus cannot be opened as asked; the text is one line for the user."""
 
 
 def _settings(mode: str) -> dict[str, object]:
@@ -85,32 +79,11 @@ def open_router(listen: str, config_file: Path | None = None) -> zenoh.Session:
                 f"--config {config_file}: cannot listen as it says ({_reason(problem)}). Is another router running "
                 "there? Choose another port in its listen/endpoints"
             ) from None
-        other = _next_port(listen)
+        other = next_port(listen)
         raise BusError(
             f"cannot listen on {listen} ({_reason(problem)}). Is another router running there? Choose another "
             f"port with --listen {other} and give every other process --connect {other}"
         ) from None
-
-
-def check_endpoint(option: str, endpoint: str) -> None:
-    """Hold an endpoint against the form that it has to have.
-
-    Raises:
-        BusError: it has another; the text names the option.
-    """
-    form = _ENDPOINT.fullmatch(endpoint)
-    if not form or not 0 < int(form["port"]) < 65536:
-        raise BusError(
-            f"{option} {endpoint}: wanted <protocol>/<address>:<port>, such as {DEFAULT_ENDPOINT}, port 1 to 65535"
-        )
-
-
-def _next_port(endpoint: str) -> str:
-    form = _ENDPOINT.fullmatch(endpoint)
-    assert form is not None
-    port = int(form["port"])
-    other = str(port + 1 if port < 65535 else 7447)
-    return endpoint[: form.start("port")] + other + endpoint[form.end("port") :]
 
 
 def _reason(problem: Exception) -> str:
@@ -164,7 +137,10 @@ class ZenohBus:
         self._robot = robot
         self._lock = threading.Lock()
         self._publishers: dict[str, zenoh.Publisher] = {}
-        self._declared: list[zenoh.Subscriber | zenoh.Queryable | zenoh.LivelinessToken] = []
+        self._declared: list[zenoh.Subscriber | zenoh.Queryable] = []
+        self._tokens: dict[str, zenoh.LivelinessToken] = {}
+        self._present: dict[int, str] = {}
+        self._comings: zenoh.Subscriber | None = None
 
     @staticmethod
     def _open(config: zenoh.Config, connect: str, give_up: Callable[[], bool]) -> zenoh.Session:
@@ -269,14 +245,51 @@ class ZenohBus:
                 return reply.ok.payload.to_bytes()
         raise NoReply(f"no answer on {self._full(key)} within {timeout:g} s")
 
-    def alive(self, name: str) -> None:
-        """Hold the liveliness token of a service until the bus is closed."""
-        self._declared.append(self._session.liveliness().declare_token(self._full(f"{_ALIVE}/{name}")))
+    def _on_token(self, sample: zenoh.Sample) -> None:
+        name, session = str(sample.key_expr).split("/")[-2:]
+        if not session.isdecimal():
+            return
+        if sample.kind == zenoh.SampleKind.PUT:
+            self._present = self._present | {int(session): name}
+        else:
+            self._present = {key: other for key, other in self._present.items() if key != int(session)}
+
+    def _hold(self, token: str) -> None:
+        if token not in self._tokens:
+            self._tokens[token] = self._session.liveliness().declare_token(self._full(f"{_ALIVE}/{token}"))
+
+    def claim(self, name: str, session: int) -> Leave:
+        """Hold the liveliness token of one start of a participant until what is returned is called."""
+        token = f"{name}/{session}"
+        self._hold(token)
+        return lambda: self._tokens.pop(token).undeclare()
+
+    def alive(self, name: str, session: int) -> None:
+        """Hold the liveliness tokens of a service and of this start of it until the bus is closed."""
+        self._hold(name)
+        self._hold(f"{name}/{session}")
 
     def living(self) -> set[str]:
         """Names of the services whose token exists."""
-        replies = self._session.liveliness().get(self._full(f"{_ALIVE}/*"), timeout=1.0)
+        return self._held("*")
+
+    def sessions(self, name: str) -> set[int]:
+        """All starts of a participant that hold a token. Before the first ``present`` the router is asked: of two that
+        have claimed one and look then, at least one sees the other. Later Zenoh answers by what it has been told.
+        """
+        return {int(session) for session in self._held(f"{name}/*") if session.isdecimal()}
+
+    def _held(self, tokens: str) -> set[str]:
+        """Last chunks of the keys of tokens."""
+        replies = self._session.liveliness().get(self._full(f"{_ALIVE}/{tokens}"), timeout=1.0)
         return {str(reply.ok.key_expr).rsplit("/", 1)[1] for reply in replies if reply.ok is not None}
+
+    def present(self) -> Mapping[int, str]:
+        """Name of the participant by session, of all that the router has told of since the first call."""
+        if self._comings is None:
+            every = self._full(f"{_ALIVE}/*/*")
+            self._comings = self._session.liveliness().declare_subscriber(every, self._on_token, history=True)
+        return self._present
 
     def connected(self) -> bool:
         """Whether a router is there at present."""

@@ -46,6 +46,11 @@ class Stage:
         self._around: Surroundings | None = None
         self._process: Process | None = None
 
+    @property
+    def endpoint(self) -> str:
+        """Of the router that all of them are connected to."""
+        return self._router.endpoint
+
     def shows(self, subject: Subject) -> tuple[Surroundings, Process]:
         """The subject's surroundings and process, started if it is another one than before."""
         if self._around is None or self._around.subject is not subject:

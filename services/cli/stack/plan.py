@@ -15,7 +15,7 @@ from typing import Any
 from services.cli.common import refuse
 from shared.loop.config import service_assignment
 from shared.processes import FURTHER, STACK, process_named
-from shared.wire.zenoh import DEFAULT_ENDPOINT
+from shared.wire.endpoint import DEFAULT_ENDPOINT
 
 STARTABLE = (*STACK, *FURTHER)
 """Services that a stack may have besides its router."""

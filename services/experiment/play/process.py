@@ -15,13 +15,16 @@ from services.experiment.play.player import Answered, Player
 from services.experiment.play.recording import RECORDING
 from shared import topics
 from shared.clock import Clock, SteadyClock, seconds
-from shared.loop.process import StopRequest
+from shared.loop.door import SECOND, Door, Occupied
+from shared.loop.process import StopRequest, told_waiting
 from shared.loop.runner import Runner
 from shared.parameters import Refused
 from shared.wire.bus import Bus, NoReply
 from shared.wire.client import Client
+from shared.wire.endpoint import BusError
+from shared.wire.publisher import Publisher
 from shared.wire.subscription import Subscription
-from shared.wire.zenoh import BusError, ZenohBus
+from shared.wire.zenoh import ZenohBus
 
 INCOMPLETE = "incomplete.npz"
 """What was recorded of a run that was not played to the end: nothing is judged by it."""
@@ -40,7 +43,8 @@ def play(compose: Compose, robot: str, connect: str, folder: Path, as_json: bool
         as_json: progress for programs.
 
     Returns:
-        Exit status: 0 when done and after a signal, 1 with one line when the run could not be completed.
+        Exit status: 0 when done and after a signal; with one line 1 when the run could not be completed, 3 if another
+        experiment is played with this robot.
 
     Raises:
         BusError: the bus cannot be opened.
@@ -48,15 +52,17 @@ def play(compose: Compose, robot: str, connect: str, folder: Path, as_json: bool
     stop = StopRequest()
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        bus = ZenohBus(robot, connect, give_up=lambda: stop.requested)
+        bus = ZenohBus(robot, connect, give_up=told_waiting("experiment", connect, stop))
     except BusError:
         if stop.requested:
             return 0
         raise
     try:
         client = Client(bus)
+        Door(bus, "experiment", client.publisher.session, f"as {robot} on {connect}").enter(lambda: stop.requested)
         player = compose(bus, client.clock, lambda ask, answered: _ask_aside(client, ask, answered))
-        reason = _conduct(player, bus, stop, Progress(as_json, client.watch(topics.TASK_STATUS)))
+        progress = Progress(as_json, client.watch(topics.TASK_STATUS))
+        reason = _conduct(player, bus, client.publisher, stop, progress)
         if stop.requested:
             # A broken-off run proves nothing, and writing a long recording takes longer than a signal allows.
             return 0
@@ -64,6 +70,9 @@ def play(compose: Compose, robot: str, connect: str, folder: Path, as_json: bool
             date=time.strftime("%Y-%m-%d %H:%M"), bus=f"Zenoh, router at {connect}", cores=os.cpu_count()
         )
         recording.save(folder / (INCOMPLETE if reason else RECORDING))
+    except Occupied as problem:
+        print(f"experiment: {problem}", file=sys.stderr, flush=True)
+        return SECOND
     finally:
         bus.close()
     if reason:
@@ -71,10 +80,10 @@ def play(compose: Compose, robot: str, connect: str, folder: Path, as_json: bool
     return 1 if reason else 0
 
 
-def _conduct(player: Player, bus: Bus, stop: StopRequest, progress: Progress) -> str:
+def _conduct(player: Player, bus: Bus, publisher: Publisher, stop: StopRequest, progress: Progress) -> str:
     """Runs the loop until the end; returns why it failed, empty if it did not."""
     clock = SteadyClock()
-    runner = Runner(player, bus, clock, wake=stop.wake.set)
+    runner = Runner(player, bus, clock, wake=stop.wake.set, publisher=publisher)
     while not (stop.requested or player.finished):
         left = seconds(runner.next_deadline() - clock.now_ns())
         if left > 0:

@@ -8,7 +8,7 @@ import pytest
 
 from shared.loop.config import Misconfigured, complain, service_assignment, settings, value_of
 from shared.loop.process import run
-from shared.wire.zenoh import DEFAULT_ENDPOINT
+from shared.wire.endpoint import DEFAULT_ENDPOINT
 from tests.shared.loop.rig import Recorder, RecorderParameters
 
 pytestmark = pytest.mark.usefixtures("as_a_process")

@@ -86,7 +86,7 @@ def test_a_query_that_is_answered_later_takes_its_time_and_no_more() -> None:
 
 def test_closing_forgets_everybody() -> None:
     bus = LocalBus(Scheduler())
-    bus.alive("wrench")
+    bus.alive("wrench", 7)
     bus.serve("q", lambda payload, reply: reply(b""))
     bus.close()
     assert bus.living() == set()

@@ -10,7 +10,8 @@ import pytest
 
 from shared.topics import MAP_CAP
 from shared.wire.bus import NoReply, Reply
-from shared.wire.zenoh import BusError, ZenohBus
+from shared.wire.endpoint import BusError
+from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
 from tests.support.ports import free_endpoint
 from tests.support.wait import eventually, throughout
@@ -75,7 +76,7 @@ def test_two_robots_on_one_network_do_not_hear_each_other(pair: Pair, shared_rou
     other = ZenohBus(robot="reem", connect=shared_router.endpoint)
     heard: list[bytes] = []
     other.subscribe(KEY, heard.append)
-    other.alive("wrench")
+    other.alive("wrench", 7)
     try:
         eventually(lambda: other.publish(KEY, b"mine") or b"mine" in heard)
         pair.one.publish(KEY, b"last")
@@ -167,7 +168,7 @@ def test_payloads_pass_again_soon_after_the_router_was_killed_and_restarted(
     pair = Pair(router.endpoint)
     try:
         pair.two.serve("wrench/tare", lambda request, reply: reply(b"here"))
-        pair.two.alive("wrench")
+        pair.two.alive("wrench", 7)
         eventually(pair.through)
         router.process.kill()
         eventually(lambda: not pair.one.connected(), message="the loss of the router noticed")
