@@ -15,6 +15,8 @@ from shared.topics import Query, Topic
 
 M = TypeVar("M", bound=Record)
 P = TypeVar("P", bound=Parameters)
+LONGEST_DT = 0.1
+"""Largest dt [s] that a step is told: what was missed is never caught up."""
 Reply = Callable[[Record | Refused], None]
 """Answers a query, with a refusal if what was begun could not be finished."""
 

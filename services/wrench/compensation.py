@@ -2,27 +2,48 @@
 
 A reading in sensor axes, about the sensor's origin, with nothing touching the tool, is
 
-    force  = m g_s + b_f            g_s = R^T (0, 0, -9.81), R = sensor in base
+    force  = m g_s + b_f            g_s = R^T (0, 0, -9.81), R = sensor in upright axes
     torque = h x g_s + b_tau        h = m c, c = centre of mass in sensor axes
 
 A tare knows only the sum at one orientation; an identified payload knows m, h, b_f and b_tau, thus every orientation.
+
+Upright axes are base axes, turned by the shortest way so that z points against gravity as the robot tells it: base axes
+where it tells nothing. Of R only the third row counts, the direction of gravity in the sensor.
 """
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
 
 from shared.schema.fields import Number, Text, Vector
 from shared.schema.records import Record, of
-from shared.spatial import GRAVITY, Array, cross, skew
+from shared.spatial import GRAVITY, Array, cross, rotation_from_vector, skew
 
 _ZERO3, _ZERO6 = (0.0,) * 3, (0.0,) * 6
 
 
+def upright(rotation: Array, gravity: Array) -> Array:
+    """The sensor in upright axes (3, 3).
+
+    Args:
+        rotation: sensor in base (3, 3).
+        gravity: unit vector (3,) of gravity in base axes, as the robot tells it.
+    """
+    x, y, z = gravity.tolist()
+    sine = math.hypot(x, y)
+    if sine == 0.0 and z < 0.0:
+        return rotation
+    # About gravity cross -z, which takes gravity to -z.
+    turn = math.atan2(sine, -z) / sine if sine > 0.0 else math.pi
+    axis = (-y, x, 0.0) if sine > 0.0 else (1.0, 0.0, 0.0)
+    return rotation_from_vector([turn * element for element in axis]).dot(rotation)
+
+
 def gravity_in_sensor(rotation: Array) -> Array:
-    """Gravity (3,) [m/s^2] in sensor axes; ``rotation`` (3, 3) is the sensor in base, whose z axis points up."""
+    """Gravity (3,) [m/s^2] in sensor axes; ``rotation`` (3, 3) is the sensor in upright axes."""
     return -GRAVITY * rotation[2]
 
 
@@ -32,7 +53,7 @@ def payload_wrench(mass: float, moment: Array, rotation: Array) -> Array:
     Args:
         mass: [kg].
         moment: mass times centre of mass (3,) [kg m], sensor axes.
-        rotation: sensor in base (3, 3).
+        rotation: sensor in upright axes (3, 3).
     """
     gravity = gravity_in_sensor(rotation)
     return np.concatenate((mass * gravity, cross(moment, gravity)))
@@ -54,16 +75,16 @@ class Compensation(Record):
         Vector("N, Nm", "bound on the sensor's noise as measured while it stood still, 0 if never", size=6),
         default=_ZERO6,
     )
-    up: Array = of(Vector("", "base's z axis in sensor axes at the tare"), default=_ZERO3)
+    up: Array = of(Vector("", "against gravity in sensor axes at the tare"), default=_ZERO3)
 
     def offset(self, rotation: Array) -> Array:
-        """What to subtract (6,) [N, Nm] from a reading taken with the sensor at ``rotation`` in base."""
+        """What to subtract (6,) [N, Nm] from a reading taken with the sensor at ``rotation`` in upright axes."""
         weight = self.weight(rotation)
         return self.bias if weight is None else self.bias + weight
 
     def weight(self, rotation: Array) -> Array | None:
         """Weight (6,) [N, Nm] of the identified payload, sensor axes; None without one."""
-        return _weight_of_up(self).dot(rotation[2]) if self.kind == "payload" else None
+        return weight_of_up(self).dot(rotation[2]) if self.kind == "payload" else None
 
     def tared(self, reading: Array, error: Array, noise: Array, rotation: Array) -> Compensation:
         """This compensation after a tare: the average ``reading`` (6,) is what nothing touching looks like.
@@ -74,7 +95,7 @@ class Compensation(Record):
             reading: average of the raw readings (6,) [N, Nm], sensor axes.
             error: bound on the error of that average (6,).
             noise: bound on the noise of one reading (6,), measured.
-            rotation: sensor in base (3, 3) during the tare.
+            rotation: sensor in upright axes (3, 3) during the tare.
         """
         if self.kind == "payload":
             weight = payload_wrench(self.mass, self.moment, rotation)
@@ -83,8 +104,8 @@ class Compensation(Record):
 
 
 @lru_cache(maxsize=4)
-def _weight_of_up(compensation: Compensation) -> Array:
-    """`payload_wrench` as a matrix (6, 3) that acts on base's z axis in sensor axes: the same for every reading."""
+def weight_of_up(compensation: Compensation) -> Array:
+    """`payload_wrench` as a matrix (6, 3) that acts on the upright z axis in sensor axes: alike for every reading."""
     return -GRAVITY * np.vstack((compensation.mass * np.eye(3), skew(compensation.moment)))
 
 

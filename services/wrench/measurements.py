@@ -22,10 +22,11 @@ class Measurements:
     """One measurement at a time, answered when its window is full or as soon as it is spoilt.
 
     Args:
-        adopt: told what to subtract from now on when a tare is complete, before the tare is answered.
+        adopt: told what to subtract from now on when a tare is complete, before the tare is answered; returns the age
+            [s] of the zero that this replaces.
     """
 
-    def __init__(self, adopt: Callable[[Compensation], None]) -> None:
+    def __init__(self, adopt: Callable[[Compensation], float]) -> None:
         self._adopt = adopt
         self._window: AveragingWindow | None = None
         self._taring = False
@@ -53,7 +54,7 @@ class Measurements:
 
         Args:
             raw: force and torque (6,), sensor axes.
-            rotation: sensor in base (3, 3).
+            rotation: sensor in upright axes (3, 3).
             dt: time [s] since the last reading.
             compensation: in force now.
         """
@@ -66,8 +67,8 @@ class Measurements:
             return
         if self._taring:
             tared = compensation.tared(average.mean, average.mean_error, average.noise, average.rotation)
-            self._adopt(tared)
-            self._finish(Tared(tared.bias[:3], tared.bias[3:], average.samples, average.std))
+            replaced_age = self._adopt(tared)
+            self._finish(Tared(tared.bias[:3], tared.bias[3:], average.samples, average.std, replaced_age))
             return
         assert self._poses is not None
         self._poses.append(average)

@@ -27,11 +27,29 @@ class WrenchParameters(Parameters):
         "bound on the noise of a raw reading: five standard deviations of the sensor",
     )
     bias_bound: Vector6 = parameter(
-        (3.0, 3.0, 3.0, 0.3, 0.3, 0.3),
+        (5.0, 5.0, 5.0, 0.5, 0.5, 0.5),
         "N, Nm",
         0.0,
         1000.0,
-        "bound on the bias of the sensor as long as nothing was tared",
+        "bound on the bias of the sensor, or on its difference from a payload file's, without a zero of this run of "
+        "the robot process; and on how far a zero drifts in the end",
+    )
+    zero_drift: Vector6 = parameter(
+        (0.02, 0.02, 0.02, 0.001, 0.001, 0.001),
+        "N, Nm per minute",
+        0.0,
+        100.0,
+        "bound on how fast the zero of the sensor drifts, once it is warm; docs/wrench.md has a table of real ones",
+    )
+    zero_survives_restart: bool = option(
+        False, "the sensor keeps its zero while the robot process restarts, which nobody but its maker can promise"
+    )
+    floor_tilt: float = parameter(
+        0.005,
+        "rad",
+        0.0,
+        0.5,
+        "bound on the angle between gravity and what the robot tells of it: of the floor, where it tells nothing",
     )
     tool_mass: float = parameter(
         0.83, "kg", 0.0, 50.0, "largest mass beyond the sensor while it is not identified (TIAGo's gripper: 0.8226)"

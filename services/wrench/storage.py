@@ -1,7 +1,8 @@
 """What outlives the process: the file of an identified payload, and the journal of the present compensation.
 
 The journal makes a restarted process continue where the killed one stopped: with a bag on the tool nobody could tare.
-An entry belongs to one run of the robot process, named by the session of its samples, and is never used for another.
+An entry belongs to one run of the robot process, named by the session of its samples, and is never used for another:
+so does the zero in it, whose age the stamps of that session tell.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from services.wrench.compensation import Compensation
 from services.wrench.identification import IdentifiedPayload
 from shared.loop.files import write_whole
 from shared.parameters import Refused
-from shared.schema.fields import InvalidField, Text
+from shared.schema.fields import Integer, InvalidField, Text
 from shared.schema.records import Record, RecordOf, of
 
 _ENTRIES = 8  # runs of the robot process of which the journal is kept
@@ -53,11 +54,12 @@ def load_payload(path: Path) -> IdentifiedPayload:
         raise Refused(f"payload {path}: not TOML ({problem})") from None
 
 
-class _Entry(Record):
+class JournalEntry(Record):
     """What was in force in one run of the robot process."""
 
     payload: str = of(Text(longest=4096, doc="value of the parameter of that name"))
     compensation: Compensation = of(RecordOf(record=Compensation))
+    since: int = of(Integer(unit="ns", doc="stamp of the sensor's sample with which measuring its bias began"))
 
 
 class Journal:
@@ -81,35 +83,31 @@ class Journal:
             return {}
         return entries if isinstance(entries, dict) else {}
 
-    def record(self, session: int, payload: str, compensation: Compensation) -> None:
-        """Remember a compensation; a full or read-only disk is noted in ``problem`` and changes nothing else.
+    def record(self, session: int, entry: JournalEntry) -> None:
+        """Remember what is in force from now on for a session of the sensor's samples.
 
-        Args:
-            session: of the sensor's samples.
-            payload: value of the parameter of that name.
-            compensation: in force from now on.
+        A full or read-only disk is noted in ``problem`` and changes nothing else.
         """
         if self._path is None:
             return
-        entry = _Entry(payload, compensation).to_plain()
         entries = self._entries()
         entries.pop(str(session), None)
         kept = dict(list(entries.items())[1 - _ENTRIES :])
         try:
-            write_whole(self._path, json.dumps({**kept, str(session): entry}))
+            write_whole(self._path, json.dumps({**kept, str(session): entry.to_plain()}))
             self.problem = ""
         except OSError as problem:
             text = f"cannot write {self._path} ({problem.strerror})"
             self.problem = f"{text}: a restart will have to tare again"
 
-    def recall(self, session: int, payload: str) -> Compensation | None:
+    def recall(self, session: int, payload: str) -> JournalEntry | None:
         """What was in force for this run of the robot process under this configuration, or None."""
         plain = self._entries().get(str(session))
         if not isinstance(plain, dict):
             return None
         try:
-            entry = _Entry.from_plain(plain)
+            entry = JournalEntry.from_plain(plain)
         except InvalidField as problem:
             self.problem = f"{self._path} holds no compensation ({problem}): starting without the last tare"
             return None
-        return entry.compensation if entry.payload == payload else None
+        return entry if entry.payload == payload else None

@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from services.wrench.compensation import Compensation, transport
-from services.wrench.error_bound import error_bound
+from services.wrench.compensation import Compensation, transport, upright
+from services.wrench.error_bound import bias_error, error_bound
 from services.wrench.identification import IdentifiedPayload
 from services.wrench.measurements import Measurements, described
 from services.wrench.parameters import WrenchParameters
 from services.wrench.sensor_watch import INVALID, SILENT, SensorWatch
-from services.wrench.storage import Journal, load_payload, save_payload
+from services.wrench.storage import Journal, JournalEntry, load_payload, save_payload
+from services.wrench.zero import Zero
 from shared import topics
 from shared.faults import Fault, FaultKind
 from shared.messages import ExternalWrench
@@ -52,7 +53,10 @@ class Wrench(Service[WrenchParameters]):
         self._journal = Journal(folder / "wrench.json" if folder else None)
         self._watch = SensorWatch()
         self._lowpass = LowPass()
-        self._measurements = Measurements(self._adopt)
+        self._measurements = Measurements(self._adopt_tare)
+        self._zero = Zero()
+        self._tare_began = 0
+        self._identification_began: int | None = None
         self._trouble = f"no {topics.SENSOR_FT.key} has come in yet"
         self._session: int | None = None
         self._last: ExternalWrench | None = None
@@ -61,11 +65,13 @@ class Wrench(Service[WrenchParameters]):
         """The external wrench of the newest sample; ``valid`` is false while the sensor shows a fault."""
         reading = inputs[topics.SENSOR_FT]
         sample = reading.message
-        if reading.header.session != self._session:
-            self._follow(reading.header.session)
         settings = self.parameters
+        if reading.header.session != self._session:
+            self._follow(reading.header.session, reading.header.stamp, dt)
+        self._zero.sampled(reading.header.stamp)
         raw = np.concatenate((sample.force, sample.torque))
         rotation = rotation_matrix(sample.orientation)
+        standing = upright(rotation, sample.gravity)
         fault = self._watch.update(
             raw,
             sample.saturated,
@@ -73,26 +79,27 @@ class Wrench(Service[WrenchParameters]):
             settings.stuck_after,
             settings.resolution,
             settings.sensor_range,
-            self.compensation.weight(rotation),
+            self.compensation.weight(standing),
         )
         to_tool = transport(rotation, sample.tool_offset)
-        wrench = to_tool.dot(raw - self.compensation.offset(rotation))
+        wrench = to_tool.dot(raw - self.compensation.offset(standing))
         wrench = self._lowpass.filter(wrench, settings.lowpass_hz, dt)
         bound = error_bound(
             self.compensation,
             rotation,
             to_tool,
-            self._noise_bound,
-            self._bias_bound,
-            settings.tool_mass,
-            settings.tool_reach,
+            np.maximum(self._noise_bound, self.compensation.noise)
+            + bias_error(self.compensation, self._zero.age, self._zero_drift, self._bias_bound),
+            (settings.tool_mass, settings.tool_reach),
+            sample.gravity,
+            settings.floor_tilt,
         )
-        self._last = ExternalWrench(wrench[:3], wrench[3:], bound, self.compensation.kind, fault)
+        self._last = ExternalWrench(wrench[:3], wrench[3:], bound, self.compensation.kind, fault, self._zero.age)
         self._trouble = f"the sensor is {fault}: {self._watch.reason}" if fault else ""
         if fault:
             self._measurements.abort(self._trouble)
         else:
-            self._measurements.add(raw, rotation, dt, self.compensation)
+            self._measurements.add(raw, standing, dt, self.compensation)
         return [Output(topics.WRENCH_EXTERNAL, self._last, valid=not fault)]
 
     def brake(self, fault: Fault, dt: float) -> list[Output]:
@@ -100,6 +107,7 @@ class Wrench(Service[WrenchParameters]):
         self._trouble = fault.text
         self._measurements.abort(fault.text)
         self._lowpass.reset()
+        self._zero.silent(dt)
         if self._last is None:
             return []
         word = SILENT if fault.kind is FaultKind.SILENT else INVALID
@@ -109,13 +117,19 @@ class Wrench(Service[WrenchParameters]):
         """Answer a tare or a step of an identification; what needs an average is answered in a later step."""
         if isinstance(request, SolveIdentification):
             result = self._measurements.solve()
-            self._adopt(result.compensation())
+            self._adopt(result.compensation(), self._identification_began)
             reply(described(result, self._saved(result)))
         elif isinstance(request, (Tare, AddPose)):
             if self._trouble:
                 raise Refused(self._trouble)
             self._measurements.begin(request, self._noise_bound, reply)
+            # A bias is as old as the oldest reading in it.
+            if isinstance(request, Tare):
+                self._tare_began = self._zero.stamp
+            elif self._identification_began is None:
+                self._identification_began = self._zero.stamp
         else:
+            self._identification_began = None
             self._measurements.restart(start=isinstance(request, StartIdentification))
             reply(Poses(0))
 
@@ -129,7 +143,7 @@ class Wrench(Service[WrenchParameters]):
         self._configured(parameters, reload=another)
         self.parameters = parameters
         if another:
-            self._adopt(self.compensation)
+            self._adopt(self.compensation, None)
 
     def notes(self) -> str:
         """What a person should know of sensor, zero and files although the service works."""
@@ -141,23 +155,47 @@ class Wrench(Service[WrenchParameters]):
             self.compensation = load_payload(Path(path)).compensation() if path else Compensation()
         self._noise_bound: Array = np.array(parameters.noise_bound)
         self._bias_bound: Array = np.array(parameters.bias_bound)
+        self._zero_drift: Array = np.array(parameters.zero_drift)
         self.max_delay = parameters.max_delay
 
-    def _follow(self, session: int) -> None:
-        """Another run of the robot process: what the journal has for it is taken up, else what is in force is kept."""
-        recalled = self._journal.recall(session, self.parameters.payload) if self._session is None else None
+    def _follow(self, session: int, stamp: int, dt: float) -> None:
+        """A run of the robot process that was not seen before, by a sample with this stamp [ns].
+
+        At the start of this service the journal may know of it. A run that ends another ends the zero with it: what is
+        identified stays, with its bias for a first guess, and a tare, whose bias holds the weight too, is of no use.
+        """
+        if self._session is None:
+            entry = self._journal.recall(session, self.parameters.payload)
+            if entry is not None and entry.since <= stamp:
+                self.compensation, self._zero.since = entry.compensation, entry.since
+        else:
+            self._measurements.abort("the robot process was started anew")
+            self._measurements.restart(start=False)
+            self._identification_began = None
+            self._lowpass.reset()
+            self._zero.restarted(stamp, dt, self.parameters.zero_survives_restart)
+            if self._zero.since is None and self.compensation.kind == "tare":
+                self.compensation = Compensation()
         self._session = session
         self._watch = SensorWatch()
-        if recalled is not None:
-            self.compensation = recalled
-        elif self.compensation.kind != "none":
-            self._journal.record(session, self.parameters.payload, self.compensation)
+        self._record()
 
-    def _adopt(self, compensation: Compensation) -> None:
-        self.compensation = compensation
+    def _adopt_tare(self, compensation: Compensation) -> float:
+        """Subtract this from now on; the age [s] of the zero that it replaces, or -1."""
+        replaced = self._zero.age
+        self._adopt(compensation, self._tare_began)
+        return replaced
+
+    def _adopt(self, compensation: Compensation, since: int | None) -> None:
+        """Subtract this from now on; its bias is measured since a stamp [ns] of this run, if it is."""
+        self.compensation, self._zero.since = compensation, since
         self._lowpass.reset()
-        if self._session is not None:
-            self._journal.record(self._session, self.parameters.payload, compensation)
+        self._record()
+
+    def _record(self) -> None:
+        if self._session is not None and self._zero.since is not None:
+            entry = JournalEntry(self.parameters.payload, self.compensation, self._zero.since)
+            self._journal.record(self._session, entry)
 
     def _saved(self, result: IdentifiedPayload) -> str:
         """Where the result was written, empty if it could not be: it is in force all the same."""

@@ -12,7 +12,7 @@ from shared.loop.arming import REARM_AFTER, Arming
 from shared.loop.health import health
 from shared.loop.queries import QueryDesk
 from shared.loop.timing import LoopTiming
-from shared.service import Inputs, Output, Reading, Service
+from shared.service import LONGEST_DT, Inputs, Output, Reading, Service
 from shared.topics import HEALTH_RATE, Topic, health_topic
 from shared.wire.bus import Bus, Leave, Work
 from shared.wire.publisher import Publisher
@@ -22,8 +22,6 @@ BRAKE_PERIOD = 0.05
 """Time [s] between two braking outputs while an input is silent."""
 STALL_PERIODS = 5
 """A step that is late by more than this many periods brakes instead."""
-LONGEST_DT = 0.1
-"""Largest dt [s] that a step is told: what was missed is never caught up."""
 _NEVER = 2**62
 _REARM_AFTER_NS = nanoseconds(REARM_AFTER)
 _BRAKE_PERIOD_NS = nanoseconds(BRAKE_PERIOD)

@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from services.wrench.averaging import Average
-from services.wrench.compensation import Compensation, transport
-from services.wrench.error_bound import error_bound, unknown_weight
+from services.wrench.compensation import Compensation, transport, upright
+from services.wrench.error_bound import NO_ZERO, bias_error, error_bound, unknown_weight
 from services.wrench.identification import identify
 from shared.spatial import Array, rotation_from_vector
-from tests.services.wrench.sensor import LEVEL, NOISE_BOUND, TILTED, TOOL_OFFSET, Sensor, external_wrench
+from tests.services.wrench.sensor import DOWN, LEVEL, NOISE_BOUND, TILTED, TOOL_OFFSET, Sensor, external_wrench
 
-BIAS_BOUND = np.array((3.0, 3.0, 3.0, 0.3, 0.3, 0.3))
+BIAS_BOUND = np.array((5.0, 5.0, 5.0, 0.5, 0.5, 0.5))
 vectors = st.tuples(*[st.floats(-3.0, 3.0)] * 3).map(np.array)
 signs = st.tuples(*[st.sampled_from((-1.0, 1.0))] * 6).map(np.array)
 inside = st.tuples(*[st.floats(-1.0, 1.0)] * 6).map(np.array)
@@ -24,8 +24,19 @@ def transported(box: Array, rotation: Array) -> Array:
     return np.abs(transport(rotation, TOOL_OFFSET)) @ box
 
 
-def bound(compensation: Compensation, rotation: Array) -> Array:
-    return error_bound(compensation, rotation, transport(rotation, TOOL_OFFSET), NOISE_BOUND, BIAS_BOUND, 0.83, 0.1)
+def bound(
+    compensation: Compensation,
+    rotation: Array,
+    age: float | None = None,
+    drift: Array | float = 0.0,
+    gravity: Array = DOWN,
+    tilt: float = 0.0,
+) -> Array:
+    age = (NO_ZERO if compensation.kind == "none" else 0.0) if age is None else age
+    box = np.maximum(NOISE_BOUND, compensation.noise)
+    box = box + bias_error(compensation, age, np.broadcast_to(drift, 6), BIAS_BOUND)
+    to_tool = transport(rotation, TOOL_OFFSET)
+    return error_bound(compensation, rotation, to_tool, box, (0.83, 0.1), gravity, tilt)
 
 
 @given(turn=vectors, signs=signs)
@@ -96,3 +107,71 @@ def test_a_noisier_sensor_than_declared_widens_the_bound() -> None:
     average = Average(np.zeros(6), 0.3 * np.ones(6), 100, LEVEL)
     noisy = Compensation().tared(average.mean, average.mean_error, average.noise, LEVEL)
     assert np.all(bound(noisy, LEVEL) >= 1.5)
+
+
+def off_by(tilt: float, turn: Array, direction: Array) -> Array:
+    """A direction turned by a tilt at most."""
+    return rotation_from_vector(tilt * turn / max(1.0, float(np.linalg.norm(turn)))) @ direction
+
+
+@given(
+    kind=st.sampled_from(("none", "tare", "payload", "file")),
+    turns=st.tuples(vectors, vectors),
+    told=st.tuples(vectors, vectors),
+    off=st.tuples(vectors, vectors),
+    bias=inside,
+    drift=inside,
+    noise=inside,
+    minutes=st.floats(0.0, 100.0),
+    tilt=st.floats(0.0, 0.2),
+)
+def test_a_zero_of_any_age_on_any_ramp_is_within_its_bound(kind, turns, told, off, bias, drift, noise, minutes, tilt):
+    # In turns: where the zero was measured, and now. The robot may tell any direction; gravity is off by the tilt.
+    directions = [rotation_from_vector(0.3 * turn) @ DOWN for turn in told]
+    truly = [off_by(tilt, turn, direction) for turn, direction in zip(off, directions, strict=True)]
+    there, here = (rotation_from_vector(turn) for turn in turns)
+    sensor = Sensor(bias=bias * BIAS_BOUND, gravity=truly[0])
+    known = Compensation()
+    if kind in ("payload", "file"):
+        guess = sensor.bias + drift * BIAS_BOUND
+        known = Compensation("payload", bias=guess, mass=sensor.mass, moment=sensor.mass * sensor.com)
+    if kind in ("payload", "tare"):
+        zeros = np.zeros(6)
+        known = known.tared(sensor.exact(there), zeros, zeros, upright(there, directions[0]))
+    age, speed = (60.0 * minutes, 0.02 * BIAS_BOUND) if kind in ("payload", "tare") else (NO_ZERO, 0.0)
+    if age > 0.0:
+        sensor.bias = sensor.bias + np.clip(minutes * speed, None, BIAS_BOUND) * drift
+    sensor.gravity = truly[1]
+    reading = sensor.exact(here) + noise * NOISE_BOUND
+    error = transport(here, TOOL_OFFSET) @ (reading - known.offset(upright(here, directions[1])))
+    assert np.all(np.abs(error) <= bound(known, here, age, speed, directions[1], tilt) + 1e-9)
+
+
+@given(turns=st.tuples(*[vectors] * 4), told=vectors, off=vectors, place=vectors, tilt=st.floats(0.0, 0.1))
+def test_a_payload_that_was_identified_on_a_ramp_is_within_its_bound_elsewhere(turns, told, off, place, tilt) -> None:
+    direction = rotation_from_vector(0.3 * told) @ DOWN
+    sensor = Sensor(gravity=off_by(tilt, off, direction))
+    poses = [*TILTED, *map(rotation_from_vector, turns)]
+    averages = [Average(sensor.exact(R), 0.1 * NOISE_BOUND, 100, upright(R, direction)) for R in poses]
+    known = identify(averages).compensation()
+    sensor.gravity = off_by(tilt, place, direction)
+    for here in map(rotation_from_vector, turns):
+        error = transport(here, TOOL_OFFSET) @ (sensor.exact(here) - known.offset(upright(here, direction)))
+        without_noise = bound(known, here, gravity=direction, tilt=tilt) - transported(NOISE_BOUND, here)
+        assert np.all(np.abs(error) <= without_noise)
+
+
+def test_bias_error_grows_with_age_up_to_that_of_a_sensor_without_a_zero() -> None:
+    tared = Compensation("tare", bias_error=0.1 * np.ones(6))
+    drift = np.full(6, 0.2)
+    assert bias_error(tared, 0.0, drift, BIAS_BOUND) == pytest.approx(np.full(6, 0.1))
+    assert bias_error(tared, 90.0, drift, BIAS_BOUND)[0] == pytest.approx(0.1 + 0.3)
+    assert bias_error(tared, 1e5, drift, BIAS_BOUND) == pytest.approx(BIAS_BOUND)
+    assert bias_error(tared, NO_ZERO, drift, BIAS_BOUND) == pytest.approx(BIAS_BOUND)
+    assert bias_error(tared, NO_ZERO, drift, np.zeros(6)) == pytest.approx(np.full(6, 0.1))
+
+
+def test_what_the_default_tilt_costs() -> None:
+    tared = Compensation().tared(np.zeros(6), np.zeros(6), np.zeros(6), LEVEL)
+    cost = bound(tared, LEVEL, tilt=0.005) - bound(tared, LEVEL)
+    assert cost == pytest.approx([2 * 0.005 * 0.83 * 9.81] * 3 + [2 * 0.005 * 0.083 * 9.81] * 3, rel=1e-3)

@@ -10,11 +10,12 @@ import pytest
 
 from services.wrench.compensation import Compensation
 from services.wrench.identification import identify
-from services.wrench.storage import Journal, load_payload, save_payload
+from services.wrench.storage import Journal, JournalEntry, load_payload, save_payload
 from shared.parameters import Refused
 from tests.services.wrench.sensor import LEVEL, TILTED, Sensor
 
 TARED = Compensation().tared(np.arange(6.0), 0.1 * np.ones(6), 0.5 * np.ones(6), LEVEL)
+ENTRY = JournalEntry("", TARED, since=12)
 
 
 def test_payload_comes_back_as_it_was(tmp_path: Path) -> None:
@@ -58,16 +59,15 @@ def test_missing_payload_file_is_refused(tmp_path: Path) -> None:
 def test_journal_keeps_the_newest_few_runs(tmp_path: Path) -> None:
     journal = Journal(tmp_path / "wrench.json")
     for session in range(20):
-        journal.record(session, "", TARED)
+        journal.record(session, ENTRY)
     assert journal.recall(3, "") is None
     recalled = journal.recall(19, "")
-    assert recalled is not None and recalled.kind == "tare"
-    assert np.array_equal(recalled.bias, TARED.bias) and np.array_equal(recalled.up, TARED.up)
+    assert recalled is not None and recalled.to_plain() == ENTRY.to_plain()
 
 
 def test_journal_of_another_configuration_is_not_used(tmp_path: Path) -> None:
     journal = Journal(tmp_path / "wrench.json")
-    journal.record(1, "", TARED)
+    journal.record(1, ENTRY)
     assert journal.recall(1, "payload.toml") is None
 
 
@@ -87,6 +87,6 @@ def test_broken_journal_is_ignored(tmp_path: Path, content: str) -> None:
     path.write_text(content)
     journal = Journal(path)
     assert journal.recall(1, "") is None
-    journal.record(1, "", TARED)
+    journal.record(1, ENTRY)
     assert journal.recall(1, "") is not None
     assert json.loads(path.read_text())["1"]["compensation"]["kind"] == "tare"

@@ -11,7 +11,7 @@ from services.wrench.wrench import LowPass
 from shared.spatial import rotation_from_vector
 from shared.topics import WRENCH_IDENTIFY, WRENCH_PARAMETERS, WRENCH_TARE
 from tests.services.wrench.rig import BAG, Rig, bounds_hold, identified
-from tests.services.wrench.sensor import TILTED
+from tests.services.wrench.sensor import DOWN, TILTED
 
 
 @pytest.mark.parametrize("rate", [30.0, 100.0, 500.0])
@@ -199,6 +199,48 @@ def test_error_bound_follows_the_parameter() -> None:
     rig.ask(WRENCH_PARAMETERS, {"set": {"noise_bound": [1.0, 1.0, 1.0, 0.05, 0.05, 0.05]}})
     rig.run(0.1)
     assert np.all(rig.last.message.error_bound[:3] > before[:3] + 0.4)
+
+
+def test_a_sensor_that_drifts_as_declared_stays_within_its_growing_bound() -> None:
+    # What a UR5e's users saw within five minutes of its start, in half a minute.
+    drifted = np.array((0.3, 1.4, 4.0, 0.005, 0.01, -0.04))
+    rig = Rig(zero_drift=list(2.0 * np.abs(drifted)))
+    rig.run(0.2)
+    rig.tare()
+    rig.run(0.1)
+    fresh, start, since = rig.last.message, rig.sensor.bias, rig.stack.now
+    for _ in range(300):
+        rig.sensor.bias = start + (rig.stack.now - since) / 30.0 * drifted
+        rig.run(0.1)
+        assert bounds_hold(rig, np.zeros(6))
+    assert rig.last.message.zero_age == pytest.approx(fresh.zero_age + 30.0, abs=0.02)
+    assert rig.last.message.error_bound[:3] - fresh.error_bound[:3] == pytest.approx([0.3, 1.4, 4.0], abs=0.01)
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_a_tare_on_level_ground_is_within_its_bound_on_a_ramp(told: bool) -> None:
+    ramp = rotation_from_vector((0.06, np.radians(5.0), 0.0)) @ DOWN
+    rig = Rig(floor_tilt=0.005 if told else 0.11)
+    rig.run(0.2)
+    rig.tare()
+    rig.sensor.gravity = ramp
+    rig.sensor.told = ramp if told else DOWN
+    rig.rotation = rotation_from_vector((0.0, 0.0, 0.5))
+    rig.settle(1.0)
+    assert bounds_hold(rig, np.zeros(6))
+    assert rig.wrenches.mean(axis=0)[:2] == pytest.approx(0.8226 * 9.81 * ramp[:2], abs=0.1), "the bound needs it"
+
+
+def test_gravity_as_the_robot_tells_it_is_compensated_whatever_it_was_when_identified() -> None:
+    rig = Rig()
+    rig.sensor.gravity = rig.sensor.told = rotation_from_vector((0.2, -0.1, 0.0)) @ DOWN
+    rig.run(0.2)
+    identified(rig)
+    rig.sensor.gravity = rig.sensor.told = rotation_from_vector((-0.15, 0.3, 0.0)) @ DOWN
+    rig.rotation = rotation_from_vector((1.0, 0.5, 2.0))
+    rig.settle(1.0)
+    assert bounds_hold(rig, np.zeros(6))
+    assert rig.wrenches.mean(axis=0) == pytest.approx(np.zeros(6), abs=0.1)
 
 
 def test_low_pass_smooths() -> None:

@@ -4,25 +4,54 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from services.wrench.error_bound import NO_ZERO
+from services.wrench.zero import Zero
+from shared.service import LONGEST_DT
+from shared.spatial import Array
+from shared.topics import WRENCH_IDENTIFY
 from tests.services.wrench.rig import BAG, Rig, bounds_hold, identified
 from tests.services.wrench.sensor import TILTED
 
 
-def test_restarted_process_goes_on_with_the_tare_of_the_same_robot_run(tmp_path: Path) -> None:
+def process_restarted(rig: Rig, folder: Path, away: float) -> Rig:
+    """Another wrench process, ``away`` [s] after the first one ended, with the same run of the robot."""
+    again = Rig(folder)
+    again.surroundings.publisher.session = rig.surroundings.publisher.session
+    again.on = False
+    again.run(rig.stack.now + away)
+    again.on = True
+    return again
+
+
+def test_restarted_process_goes_on_with_the_tare_of_the_same_robot_run_and_its_age(tmp_path: Path) -> None:
     rig = Rig(tmp_path)
     rig.run(0.2)
     rig.tare()
     rig.external = BAG
     rig.settle(0.5)
-    before = rig.wrenches.mean(axis=0)
-    again = Rig(tmp_path)
-    again.surroundings.publisher.session = rig.surroundings.publisher.session
+    before, age = rig.wrenches.mean(axis=0), rig.last.message.zero_age
+    assert age == pytest.approx(1.52, abs=0.05)
+    again = process_restarted(rig, tmp_path, away=60.0)
     again.external = BAG
     again.run(0.5)
     assert again.last.message.compensation == "tare"
     assert again.wrenches.mean(axis=0) == pytest.approx(before, abs=0.1)
+    assert again.last.message.zero_age == pytest.approx(age + 60.5, abs=0.05)
+    assert np.all(again.last.message.error_bound > rig.last.message.error_bound)
+
+
+def test_zero_from_the_future_is_not_used(tmp_path: Path) -> None:
+    rig = Rig(tmp_path)
+    rig.run(20.0)
+    rig.tare()
+    again = process_restarted(rig, tmp_path, away=-10.0)
+    again.run(0.5)
+    assert (again.last.message.compensation, again.last.message.zero_age) == ("none", -1.0)
 
 
 def test_tare_of_another_robot_run_is_not_used(tmp_path: Path) -> None:
@@ -34,16 +63,91 @@ def test_tare_of_another_robot_run_is_not_used(tmp_path: Path) -> None:
     assert again.last.message.compensation == "none"
 
 
-def test_tare_survives_a_restart_of_the_robot_process() -> None:
+def robot_restarted(rig: Rig, silence: float = 2.0) -> Rig:
+    """Another run of the robot process, whose clock reads something else, with a sensor that has lost its zero."""
+    rig.on = False
+    rig.run(silence)
+    rig.new_session()
+    rig.sensor.bias = rig.sensor.bias + np.array((1.0, 4.0, -2.0, 0.1, -0.3, 0.2))
+    rig.on = True
+    rig.run(0.5)
+    return rig
+
+
+def test_a_tare_ends_with_the_run_of_the_robot_process() -> None:
     rig = Rig()
     rig.run(0.2)
     rig.tare()
+    robot_restarted(rig)
+    newest = rig.last.message
+    assert rig.last.header.valid and (newest.compensation, newest.zero_age) == ("none", -1.0)
+    assert bounds_hold(rig, np.zeros(6))
+
+
+def test_an_identified_weight_outlasts_the_run_of_the_robot_process_and_its_zero_does_not() -> None:
+    rig = Rig()
+    rig.run(0.2)
+    identified(rig)
+    rig.run(0.2)
+    assert rig.last.message.zero_age == pytest.approx(5.45, abs=0.1), "as old as the first of five poses"
+    robot_restarted(rig)
+    assert (rig.last.message.compensation, rig.last.message.zero_age) == ("payload", -1.0)
+    assert bounds_hold(rig, np.zeros(6)) and rig.last.message.error_bound[0] > 5.0
+    assert rig.tare()["replaced_age"] == -1.0
+    rig.run(0.5)
+    assert bounds_hold(rig, np.zeros(6)) and rig.last.message.error_bound[0] < 1.0
+    assert rig.tare()["replaced_age"] == pytest.approx(2.5, abs=0.1)
+
+
+def test_poses_of_two_runs_are_not_mixed() -> None:
+    rig = Rig()
+    rig.run(0.2)
+    rig.identify("start")
+    rig.identify("add")
+    robot_restarted(rig)
+    rig.refuses("no identification was started", WRENCH_IDENTIFY, {"action": "add"})
+
+
+@pytest.mark.parametrize("silence", [0.05, 30.0])
+def test_a_zero_that_is_declared_to_survive_goes_on_ageing(silence: float) -> None:
+    rig = Rig(zero_survives_restart=True)
+    rig.run(0.2)
+    rig.tare()
     rig.on = False
-    rig.run(2.0)
+    rig.run(silence)
     rig.new_session()
     rig.on = True
     rig.run(0.5)
-    assert rig.last.header.valid and rig.last.message.compensation == "tare"
+    assert rig.last.message.compensation == "tare"
+    assert rig.last.message.zero_age == pytest.approx(1.5 + silence, abs=0.1)
+    assert bounds_hold(rig, np.zeros(6))
+
+
+def test_how_long_a_restart_took_has_to_be_known_for_a_zero_to_survive_it() -> None:
+    zero = Zero()
+    zero.sampled(10**9)
+    zero.since = 0
+    zero.silent(LONGEST_DT)
+    zero.restarted(-(10**12), 0.01, survives=True)
+    assert zero.age == NO_ZERO
+
+
+@pytest.fixture(scope="module")
+def last_weeks_file(tmp_path_factory: pytest.TempPathFactory) -> str:
+    rig = Rig(tmp_path_factory.mktemp("last week"))
+    rig.run(0.2)
+    return identified(rig)["file"]
+
+
+@settings(max_examples=20)
+@given(off=st.tuples(*[st.floats(-1.0, 1.0)] * 6), turn=st.sampled_from(TILTED))
+def test_samples_with_last_weeks_file_are_within_their_bounds(last_weeks_file: str, off: tuple, turn: Array) -> None:
+    rig = Rig(payload=last_weeks_file)
+    rig.sensor.bias = rig.sensor.bias + np.multiply(off, (4.0, 4.0, 4.0, 0.4, 0.4, 0.4))
+    rig.rotation, rig.external = turn, BAG
+    rig.run(0.3)
+    assert rig.last.message.zero_age == -1.0
+    assert bounds_hold(rig, BAG)
 
 
 def test_identified_payload_is_saved_and_read_at_the_next_start(tmp_path: Path) -> None:

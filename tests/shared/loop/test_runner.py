@@ -7,9 +7,8 @@ import itertools
 import pytest
 
 from shared.faults import FaultKind
-from shared.loop.runner import LONGEST_DT
 from shared.loop.stack import Stack
-from shared.service import Reading
+from shared.service import LONGEST_DT, Reading
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, STATE_EE, STATE_JOINTS, WRENCH_EXTERNAL
 from tests.shared.loop.rig import Recorder, Rig, Source
 from tests.shared.rig import ft_sample, target, tool, wrench

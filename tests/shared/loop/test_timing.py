@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from shared.faults import FaultKind
-from shared.loop.runner import LONGEST_DT
 from shared.loop.timing import LoopTiming
 from shared.messages import Header, TwistCommand
+from shared.service import LONGEST_DT
 from shared.topics import COMMAND_EE_TWIST, WRENCH_EXTERNAL
 from shared.wire.codec import decode
 from tests.shared.loop.rig import BusyLoop
