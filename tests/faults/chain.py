@@ -125,9 +125,11 @@ class Chain(StandIn):
     @contextmanager
     def playing(self, name: str = "healthy") -> Iterator[Process]:
         """A robot that works, and misbehaves from SIGUSR1 to SIGUSR2; nothing is harmed by it."""
-        # No test pays for a latch of the one before it.
-        self.release()
         with running(self.program("tests.faults.programs", name)) as program:
+            # A zero belongs to one run of the robot process.
+            eventually(lambda: programs.tared(self.client), PATIENCE, "the sensor is tared")
+            # No test pays for a latch of the one before it.
+            self.release()
             self.works("the healthy robot moves")
             yield program
         self.unharmed()
@@ -135,11 +137,6 @@ class Chain(StandIn):
     def _target(self, number: int) -> list[tuple[Topic, Record]]:
         """The target again, unless the task is paused."""
         return [] if self.paused else [(CONTROL_TARGET, programs.AHEAD)]
-
-    def tare(self) -> None:
-        """Tare the sensor of a robot that is there only for this."""
-        with running(self.program("tests.faults.programs", "healthy")):
-            eventually(lambda: programs.tared(self.client), PATIENCE, "the sensor is tared")
 
     def release(self) -> None:
         """What ``tandem resume`` does."""
@@ -174,11 +171,3 @@ def running(process: Process) -> Iterator[Process]:
         yield process
     finally:
         process.stop()
-
-
-@contextmanager
-def tared(router: Router, start: StartProcess, state: Path) -> Iterator[Chain]:
-    """A chain that works as soon as there is a robot."""
-    with Chain(router, start, state) as chain:
-        chain.tare()
-        yield chain
