@@ -75,12 +75,12 @@ class Parameters(BaseModel):
             raise Refused(_one_line(problem, cls)) from None
 
     def changed(self, values: Mapping[str, Any]) -> Self:
-        """These parameters with some replaced.
+        """These parameters with some replaced; ``model_fields_set`` keeps saying which are not just defaults.
 
         Raises:
             Refused: as ``of``; nothing is changed then.
         """
-        present = {name: getattr(self, name) for name in type(self).model_fields}
+        present = {name: getattr(self, name) for name in self.model_fields_set}
         return type(self).of({**present, **values})
 
     def table(self) -> dict[str, dict[str, Any]]:

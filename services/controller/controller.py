@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from services.controller.bounds.caps import AXES, UNITS
 from services.controller.laws import make_law
 from services.controller.laws.law import LawInput, LawOutput
 from services.controller.laws.qp import Timer, no_timer
-from services.controller.limits_in_force import LimitsInForce
 from services.controller.parameters import ControllerParameters
 from shared.faults import Fault
 from shared.loop.halt import Halt
@@ -31,6 +31,8 @@ _SHOWN_FOR = 10.0
 """Time [s] for which the health keeps showing a failed quadratic program."""
 _ABSURD = 1e12
 """A margin [N, Nm] is reported down to this, so that a status can be sent whatever the inputs were."""
+_SHARE, _TOO_RARE = 0.01, 1.1
+"""Weight of one interval between samples in their mean, and mean in periods that is too long, whatever the jitter."""
 _ZERO = np.zeros(6)
 
 
@@ -60,14 +62,13 @@ class Controller(Service[ControllerParameters]):
         self._timer = timer
         self.law = make_law(parameters, timer)
         self._halt = Halt()
-        self._in_force = LimitsInForce()
         self._target: ControlTarget | None = None
         self._robot_session: int | None = None
         self._restarted = False
         self._limit = self._nominal = _ZERO
         self._target_rotation = np.eye(3)
         self._refused = self._refused_before = ""
-        self._settling = 0.0
+        self._settling = self._interval = 0.0
         self._measured = self._error_bound = _ZERO
         self._failures = 0
         self._show_failure = 0.0
@@ -77,11 +78,10 @@ class Controller(Service[ControllerParameters]):
         self._listen(inputs)
         self._settling = max(0.0, self._settling - dt)
         self._show_failure = max(0.0, self._show_failure - dt)
+        self._interval += _SHARE * (min(dt, 1.0) - self._interval)
         wrench, tool = inputs[WRENCH_EXTERNAL].message, inputs[STATE_EE].message
         measured = self._measured = np.concatenate((wrench.force, wrench.torque))
         self._error_bound = wrench.error_bound
-        if self._target is not None:
-            self._in_force.follow(self._limit, self._nominal, dt)
         holding = self._holding()
         if holding is not None:
             return self._rest(*holding, dt)
@@ -95,18 +95,23 @@ class Controller(Service[ControllerParameters]):
         return self._rest("waiting" if fault.waiting else "braking", fault.text, dt)
 
     def apply(self, parameters: ControllerParameters) -> None:
-        """Take over parameters; after a change of the timing it rests until all in flight is counted with it."""
+        """Take over parameters; if what is in flight was counted otherwise, it rests until that has acted."""
         before = self.parameters
         self.parameters = parameters
         self.max_delay = parameters.delay
         self.law = make_law(parameters, self._timer, previous=self.law)
-        timing = (parameters.period, parameters.delay, parameters.lag)
-        if timing != (before.period, before.delay, before.lag):
+        if parameters.premises != before.premises:
             self._settling = parameters.horizon + parameters.lag
 
     def notes(self) -> str:
-        """Refused targets, and the last quadratic program that failed, with its data."""
-        notes = []
+        """Parameters without an effect, samples too rare, refused targets, the last failed program with its data."""
+        notes = [ignored] if (ignored := self.parameters.ignored) else []
+        if self._interval > _TOO_RARE * self.parameters.period:
+            notes.append(
+                f"{WRENCH_EXTERNAL.key} comes every {self._interval * 1e3:.0f} ms, period is "
+                f"{self.parameters.period * 1e3:g} ms: each command ends before the next, so the tool moves in jerks; "
+                "raise period or the sensor's rate"
+            )
         if self._refused != self._refused_before:
             notes.append(f"{CONTROL_TARGET.key}: {self._refused}; the last valid one stays in force")
         if self._show_failure > 0.0 and self.law.last_failure is not None:
@@ -124,6 +129,8 @@ class Controller(Service[ControllerParameters]):
         self._robot_session = session
         if restarted:
             self._target, self._restarted = None, True
+            self._limit = self._nominal = _ZERO
+            self.law.start()
         if target is None or not target.new or not target.header.valid:
             return
         # The loop has watched the restarted robot for the whole start-up: what is older was meant for the one before.
@@ -146,32 +153,44 @@ class Controller(Service[ControllerParameters]):
                 return "waiting", f"robot restarted, a new {CONTROL_TARGET.key} is needed{refused}"
             return "waiting", f"no valid {CONTROL_TARGET.key} yet{refused}"
         if self._settling > 0.0:
-            return "waiting", "the timing was changed: resting until it holds for everything commanded"
+            return "waiting", "law, timing or contacts were changed: resting until that holds for all that is in flight"
         return None
 
     def _decide(self, measured: Array, wrench: ExternalWrench, tool: EndEffector, dt: float) -> Iterator[Output]:
         assert self._target is not None
-        nominal = self._in_force.nominal
         output = self.law.step(
             LawInput(
-                wrench=measured - nominal,
-                limit=self._in_force.limit,
+                wrench=measured - self._nominal,
+                limit=self._limit,
                 error_bound=wrench.error_bound,
                 position=tool.position,
                 rotation=rotation_matrix(tool.orientation),
                 target_position=self._target.position,
                 target_rotation=self._target_rotation,
-                nominal=nominal,
+                nominal=self._nominal,
             ),
             dt,
         )
-        if output.failure is not None:
-            if self.law.last_failure is not None and self.law.last_failure["reason"] == output.failure:
-                self._failures += 1
-                self._show_failure = _SHOWN_FOR
-            return self._outputs("braking", output.failure, output)
-        reason = self._refused if self._refused != self._refused_before else ""
-        return self._outputs(None, reason, output)
+        refused = self._refused if self._refused != self._refused_before else ""
+        if output.failure is None:
+            return self._outputs(None, "; ".join(filter(None, (refused, self.law.remark, self._pending()))), output)
+        if self.law.last_failure is not None and self.law.last_failure["reason"] == output.failure:
+            self._failures += 1
+            self._show_failure = _SHOWN_FOR
+        # What gives way needs no solver: then it moves, and says so.
+        return self._outputs(None if output.twist.any() else "braking", output.failure, output)
+
+    def _pending(self) -> str:
+        """Why limits are not the wished ones yet; empty if they are."""
+        wished, in_force = self._limit, self.law.limit_in_force(self._limit, self._nominal)
+        if in_force is wished:
+            return ""
+        axis = int(np.argmax(in_force / wished))
+        unit, felt = UNITS[axis], self._measured[axis] - self._nominal[axis]
+        return (
+            f"limit {AXES[axis]}: {in_force[axis]:.3g} {unit} in force, {wished[axis]:.3g} wished; it is lowered as "
+            f"what is felt ({felt:.3g} {unit}) and still in flight lets it"
+        )
 
     def _rest(self, state: str, reason: str, dt: float) -> Iterator[Output]:
         self.law.brake(dt)
@@ -182,21 +201,20 @@ class Controller(Service[ControllerParameters]):
         # The time to live is what makes T true: the robot drops a command that is older.
         twist = output.twist.tolist()
         yield Output(COMMAND_EE_TWIST, TwistCommand(twist[:3], twist[3:], ttl=self.parameters.period))
+        # Of what was measured last; without a target there are no limits to count against.
+        limit = self.law.limit_in_force(self._limit, self._nominal)
+        margin = limit - np.abs(self._measured - self._nominal) - self._error_bound
         status = ControlStatus(
             state=state or ("yielding" if output.yielding else "tracking"),
             reason=reason,
             law=self.law.name,
             twist=twist,
-            margin=self._margin(),
+            margin=_ZERO if self._target is None else np.maximum(margin, -_ABSURD),
             active=output.active,
             relaxation=output.relaxation,
             lyapunov=output.lyapunov,
             solve_us=self.law.solve_us,
+            limit=limit,
+            nominal=self._nominal,
         )
         yield Output(CONTROL_STATUS, status)
-
-    def _margin(self) -> Array:
-        """What the last measured wrench leaves of the limits (6,) [N, Nm], errors allowed for; 0 without a target."""
-        if self._target is None:
-            return _ZERO
-        return np.maximum(self._limit - np.abs(self._measured - self._nominal) - self._error_bound, -_ABSURD)

@@ -9,6 +9,15 @@ from shared.messages import LONGEST_TTL
 from shared.parameters import Parameters, Vector3, Vector6, check_range, option, parameter
 
 LawName = Literal["certified", "paper", "stiffness"]
+_OF_CERTIFIED = (
+    "contact_stiffness", "contact_reach", "contact_friction", "zones", "reserve", "yield_start", "payload_mass",
+)  # fmt: skip
+_IGNORED: dict[str, tuple[str, ...]] = {
+    "certified": ("barrier_rate", "spring_stiffness"),
+    "paper": (*_OF_CERTIFIED, "spring_stiffness"),
+    "stiffness": (*_OF_CERTIFIED, "barrier_rate"),
+}
+"""Parameters that each law does not read."""
 
 
 class ControllerParameters(Parameters):
@@ -67,6 +76,17 @@ class ControllerParameters(Parameters):
             for name in ("stiffness", "reach", "friction"):
                 declared = type(self).model_fields[f"contact_{name}"]
                 check_range(f"zones[{index}].{name}", getattr(zone, name), declared)
+
+    @property
+    def ignored(self) -> str:
+        """What was set and has no effect under the law, in words; empty if all has."""
+        names = [name for name in _IGNORED[self.law] if name in self.model_fields_set]
+        return f"without effect under law {self.law}: {', '.join(names)}" if names else ""
+
+    @property
+    def premises(self) -> tuple[object, ...]:
+        """What the travel in flight was bounded with."""
+        return self.law, self.period, self.delay, self.lag, self.contact_zones
 
     @property
     def contact_zones(self) -> tuple[ContactZone, ...]:

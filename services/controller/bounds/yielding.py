@@ -1,13 +1,15 @@
 """Giving way: the part ``y`` of the twist that retreats from a wrench, whatever the target wants.
 
 Both forms move down the gradient of the distance of the wrench from a box, which cannot raise that distance for any
-passive contact (docs/guarantee.md, "Yielding"). ``StrictYield`` acts only beyond the limit, which at rest is never.
-``RoundedYield`` begins earlier; as long as nothing proves that the environment moves, the law keeps it within the rows.
+passive contact (docs/guarantee.md, "Yielding"). ``StrictYield`` acts only beyond the limit, which at rest happens
+only when that was lowered below what pressed already. ``RoundedYield`` begins earlier. As long as nothing proves that
+the environment moves, the law keeps both within the rows.
 """
 
 from __future__ import annotations
 
 import math
+import operator
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -113,18 +115,18 @@ class Yielding(ABC):
     """One form of giving way.
 
     Attributes:
-        moved: whether a measured wrench proves that the environment has moved, which frees y from the rows.
+        moved: a measured wrench was beyond the wall, which proves that the environment moved, and has not come back
+            into the box since: y is free of the rows.
     """
-
-    moved: bool
 
     def __init__(self) -> None:
         self._integral = _Integral()
+        self.moved = False
 
     @property
     def at_rest(self) -> bool:
         """Whether nothing is left of what yielded before."""
-        return self._integral.at_rest
+        return not (self.moved or any(self._integral.value))
 
     @abstractmethod
     def step(self, state: YieldInput) -> list[float] | None:
@@ -133,20 +135,31 @@ class Yielding(ABC):
     def brake(self, response_time: float, dt: float) -> None:
         """Let ``dt`` [s] pass at rest: what is left of the yielding must not move the tool after a long stop."""
         self._integral.rest(response_time, dt)
+        if self._integral.slower_than(_FOLLOWED):
+            self.moved = False  # a wrench beyond the wall will prove it again
+
+    def _watch(self, state: YieldInput) -> None:
+        self.moved = self.moved or any(map(operator.gt, map(abs, state.wrench), state.caps.wall))
+
+    def _is_back(self, y: list[float] | None) -> bool:
+        """Whether ``moved`` ends now, for the y (6,) that the box asks for."""
+        back = self.moved and y is None and self._integral.slower_than(_FOLLOWED)
+        self.moved = self.moved and not back
+        return back
 
 
 class StrictYield(Yielding):
     """Retreat in proportion to the excess over the limit plus its error bound.
 
-    It begins at ``caps.wall``, since a smaller measured wrench may still be within the limit; the roots of Kbar are
-    the scale, which keeps N/m and Nm/rad apart. At rest the measured wrench never gets to where this form acts.
+    It begins at ``caps.threshold``, which is the wall, since a smaller measured wrench may still be within the limit;
+    lower only where a limit is being lowered. The roots of Kbar are the scale, which keeps N/m and Nm/rad apart.
     """
 
-    moved = True
-
     def step(self, state: YieldInput) -> list[float] | None:
+        self._watch(state)
         bound = state.bound
-        y = down_the_gradient(state.wrench, state.caps.wall, bound.roots, bound, state.response_time)
+        y = down_the_gradient(state.wrench, state.caps.threshold, bound.roots, bound, state.response_time)
+        self._is_back(y)
         if y is None and self._integral.at_rest:
             return None
         return self._integral.add(y or _NONE, state)
@@ -162,28 +175,21 @@ class RoundedYield(Yielding):
 
     Attributes:
         distance: h (6,), how far each axis is beyond its threshold, in units of the room left above it; V = |h|.
-        moved: so since a measured wrench was beyond the wall, until it is back in the box.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self.distance = [0.0] * 6
-        self.moved = False
         self._softness = ContactSoftness()
-
-    @property
-    def at_rest(self) -> bool:
-        """Whether nothing is left of what yielded before."""
-        return not (self.moved or any(self._integral.value))
 
     def step(self, state: YieldInput) -> list[float] | None:
         w, caps, bound = state.wrench, state.caps, state.bound
         self.distance = [max(0.0, abs(w[i]) - caps.start[i]) / caps.room[i] for i in range(6)]
-        self.moved = self.moved or any(abs(w[i]) > caps.wall[i] for i in range(6))
-        scale = bound.roots if self.moved else caps.room
+        self._watch(state)
+        scale = bound.roots if self.moved or caps.lowering else caps.room
         y = down_the_gradient(w, caps.start, scale, bound, state.response_time)
-        if self.moved and y is None and self._integral.slower_than(_FOLLOWED):
-            self.moved, self._softness = False, ContactSoftness()
+        if self._is_back(y):
+            self._softness = ContactSoftness()
         if y is None and self._integral.at_rest:
             return None
         if self.moved:
@@ -194,8 +200,6 @@ class RoundedYield(Yielding):
     def brake(self, response_time: float, dt: float) -> None:
         super().brake(response_time, dt)
         self._softness = ContactSoftness()
-        if self._integral.slower_than(_FOLLOWED):
-            self.moved = False  # a wrench beyond the wall will prove it again
 
     def _share(self, state: YieldInput) -> float:
         """Share of the declared stiffness that the contact shows on the axes which are beyond the box."""

@@ -8,10 +8,11 @@ rounded one (< 1) differ in where y begins and in the caps. Rules are numbered a
 from __future__ import annotations
 
 import operator
+from typing import Any
 
 import numpy as np
 
-from services.controller.bounds.caps import Caps
+from services.controller.bounds.caps import AXES, UNITS, Caps
 from services.controller.bounds.rows import Rows
 from services.controller.bounds.stiffness_bound import StiffnessBound
 from services.controller.bounds.travel_in_flight import FALL, GROW, SENSES, directed
@@ -25,6 +26,8 @@ _SPEEDS, _GAMMA = slice(0, 12), 12
 """Variables of the quadratic program."""
 _ROWS, _LYAPUNOV = slice(0, 12), 12
 """Its rows."""
+_NEXT_TO_NONE = 1e-4
+"""Speed [m/s, rad/s] up to which a target would hardly be seen to be followed."""
 _ZERO = np.zeros(12)
 _NO_YIELDING = np.zeros(6)
 
@@ -48,6 +51,11 @@ class CertifiedLaw(Law):
         self._turn_of_command = parameters.max_angular * T
         self._version = -1  # of the bound that the rows have
         self.caps = Caps(parameters.reserve, parameters.yield_start)
+        self._nominal = _NO_YIELDING
+        self._remarked: Array | None = None  # levels that ``remark`` is about
+        self._in_force: tuple[Any, ...] = ()  # of what, and the limits in force (6,)
+        if isinstance(previous, CertifiedLaw):
+            self.caps.promise, self._nominal = previous.caps.promise, previous._nominal
         self.rows = Rows(T, parameters.horizon)
         self._yielding: Yielding = RoundedYield() if self.rounded else StrictYield()
         self.y, self._y_speeds = _NO_YIELDING, _ZERO
@@ -63,14 +71,28 @@ class CertifiedLaw(Law):
         super().brake(dt)
         self._yielding.brake(self.response_time, dt)
 
+    def start(self) -> None:
+        self.caps.promise = None
+
+    def limit_in_force(self, limit: Array, nominal: Array) -> Array:
+        promise, known = self.caps.promise, self._in_force
+        if promise is None:
+            return limit
+        if not (known and known[0] is limit and known[1] is nominal and known[2] is promise):
+            promised = np.array(promise) + np.abs(nominal - self._nominal)
+            found = np.maximum(limit, promised) if np.any(promised > limit) else limit
+            known = self._in_force = limit, nominal, promise, found
+        return known[3]
+
     def _move(self, state: LawInput, error: Array, length: float, dt: float) -> LawOutput:
         error_bound = state.error_bound
         if self.speed_box.payload:
             error_bound = error_bound + self.speed_box.inertial_force
-        self.caps.update(state.limit, error_bound)
+        self._keep_limits(state, error_bound)
         if self.caps.refusal is not None:
-            return LawOutput(self._rest, failure=self.caps.refusal)
-        self._bound_stiffness(state)
+            inertia = self.speed_box.inertial_force.max()
+            of = f"; of that payload_mass x max_acceleration is {inertia:.3g} N, which no tare lowers"
+            return LawOutput(self._rest, failure=self.caps.refusal + (of if inertia > 0.5 * error_bound.max() else ""))
         yields = self._yield(state, dt)
         self._find_room(state, yields, dt)
         if yields and self.rounded and self.rows.tightest <= 0.0:
@@ -87,9 +109,42 @@ class CertifiedLaw(Law):
             v += self.y
         return LawOutput(v, np.maximum(self._excess, speeds - self.rows.reserved), yields, failure, state)
 
+    def _keep_limits(self, state: LawInput, error_bound: Array) -> None:
+        """The caps, the stiffness bound, and the limits in force: no wrench that is there or on its way passes them."""
+        caps = self.caps
+        if state.nominal is not self._nominal:
+            caps.shift(state.nominal - self._nominal)
+            self._nominal, self._in_force = state.nominal, ()
+        caps.update(state.limit, error_bound)
+        if caps.refusal is not None:
+            return
+        if caps.promise is None:  # nothing is in flight at the start
+            caps.lower(-SENSES.dot(state.wrench))
+        self._bound_stiffness(state)
+        if caps.lowering:
+            caps.lower(self.rows.M.dot(self.travel.in_flight) - SENSES.dot(state.wrench))
+            self._bound_stiffness(state)  # with what F is now
+        if caps.levels is not self._remarked:
+            self._remarked, self.remark = caps.levels, self._forbidden()
+
+    def _forbidden(self) -> str:
+        """The slowest axis, if limits, errors and contacts leave the target next to no motion along it."""
+        _, lasting, reserved = self.caps.levels[:, :6].tolist()
+        K, horizon = self.bound.rows, self.parameters.horizon
+        axes = range(6)
+        speeds = [min(reserved[i] / K[i][i], *(lasting[j] / K[j][i] for j in axes)) / horizon for i in axes]
+        i = min(axes, key=speeds.__getitem__)
+        if speeds[i] > _NEXT_TO_NONE:
+            return ""
+        if reserved[i] <= 0.0:
+            cause = f"its error bound is {self.caps.errors[i]:.3g} {UNITS[i]}. Raise the limit or tare the sensor"
+        else:
+            cause = "the contacts are declared too stiff for them. See `tandem certify`"
+        return f"the limits leave the target no motion {AXES[i]}: {cause}"
+
     def _bound_stiffness(self, state: LawInput) -> None:
         """Rules 1 and 2: Kbar and M for this attitude, and for all that s and the next command can turn it by."""
-        # F = wbar + |nominal force| bounds the sum of the contacts' forces where they do not squeeze.
+        # F, the limit in force + |nominal force|, bounds the sum of the contacts' forces where they do not squeeze.
         x, y, z = self.caps.force
         nx, ny, nz, *_ = state.nominal.tolist()
         force = [x + abs(nx), y + abs(ny), z + abs(nz)]
@@ -105,7 +160,7 @@ class CertifiedLaw(Law):
     def _yield(self, state: LawInput, dt: float) -> bool:
         """Rule 3: set y, within the speed box; returns whether there is any.
 
-        Unless the environment has moved, ``T M y <= max(0, C -+ w - M s)``.
+        Unless the environment has moved, ``T M y <= max(0, C -+ w - M s)``, C of the limits in force.
         """
         w, caps, yielding = state.wrench.tolist(), self.caps, self._yielding
         y = None

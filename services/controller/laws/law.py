@@ -113,10 +113,12 @@ class Law(ABC):
     Attributes:
         qp: the quadratic program of a tick.
         twist: (6,) [m/s, rad/s] that was commanded last.
+        remark: what the limits forbid that a person would expect, in words; empty if nothing.
     """
 
     name: str
     qp: Qp
+    remark: str = ""
 
     def __init__(self, parameters: ControllerParameters, timer: Timer = no_timer, previous: Law | None = None) -> None:
         self.parameters = parameters
@@ -162,6 +164,18 @@ class Law(ABC):
         self.travel.advance(dt)
         self.travel.command(self._rest)
         self.twist = self._rest
+
+    def start(self) -> None:  # noqa: B027 - most laws keep nothing
+        """Begin anew, at rest: the robot is elsewhere, so what was promised there holds no more."""
+
+    def limit_in_force(self, limit: Array, nominal: Array) -> Array:
+        """What the wrench stays within (6,) [N, Nm] about the nominal one; the wished ``limit`` itself if that is so.
+
+        Args:
+            limit: (6,) wished; neither array is written to later: the same one is the same target.
+            nominal: (6,) of the target.
+        """
+        return limit
 
     @abstractmethod
     def _move(self, state: LawInput, error: Array, length: float, dt: float) -> LawOutput:

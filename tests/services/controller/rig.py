@@ -36,6 +36,7 @@ class Rig:
         self.stack = Stack()
         self._robot = Client(self.stack.bus, self.stack.scheduler.clock)
         self.wrench: Array = np.zeros(6)
+        self.error: Array = ERROR
         self.wrench_on = self.ee_on = self.wrench_valid = True
         self.wrench_fault = ""
         self.wrench_period = PERIOD
@@ -61,7 +62,7 @@ class Rig:
 
     def _feel(self) -> None:
         if self.wrench_on:
-            message = ExternalWrench(self.wrench[:3], self.wrench[3:], ERROR, "tare", self.wrench_fault)
+            message = ExternalWrench(self.wrench[:3], self.wrench[3:], self.error, "tare", self.wrench_fault)
             self.publish(WRENCH_EXTERNAL, message, self.wrench_valid)
         self._again(self.wrench_period, self._feel)
 
@@ -78,10 +79,12 @@ class Rig:
         )
 
     def run(self, duration: float) -> None:
-        """Let time pass; keeps what was published meanwhile."""
+        """Let time pass; keeps what was published meanwhile, in which no state may deny that the tool moves."""
         self.commands.clear()
         self.statuses.clear()
         self.stack.run(duration)
+        for status in (received.message for received in self.statuses):
+            assert status.state in ("tracking", "yielding") or not status.twist.any()
 
     def restart_robot(self, silence: float, position: Any = HOME) -> None:
         """The robot falls silent [s] and comes back elsewhere in a new session; its sensor with it."""

@@ -23,6 +23,7 @@ KBAR = bound(ZONE, force=(10.0, 10.0, 10.0))
 def caps(yield_start: float) -> Caps:
     caps = Caps(0.1, yield_start)
     caps.update(LIMIT, ERROR)
+    caps.lower(np.zeros(12))
     return caps
 
 
