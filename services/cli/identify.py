@@ -35,12 +35,13 @@ def identify(
     angle: Annotated[float, typer.Option(min=0.1, max=1.2, help="How far to tilt the tool [rad].")] = 0.6,
     force_limit: Annotated[str, typer.Option(help="Force limit on the way [N].")] = "60",
     torque_limit: Annotated[str, typer.Option(help="Torque limit on the way [Nm].")] = "15",
+    force: Annotated[bool, typer.Option("--force", help="Adopt it although it is implausible.")] = False,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before moving.")] = False,
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
     """Identify mass, centre of mass and sensor biases: tilts the tool about its present position, ten poses."""
-    force, torque = three("--force-limit", force_limit), three("--torque-limit", torque_limit)
+    limits = three("--force-limit", force_limit), three("--torque-limit", torque_limit)
     with open_bus(robot, connect) as bus:
         client = Client(bus)
         subscription, status = client.watch(topics.STATE_EE), client.watch(topics.STATE_ROBOT)
@@ -51,16 +52,16 @@ def identify(
         if not yes:
             typer.confirm("Move now?", abort=True)
         # Before a tare the error bound holds the whole weight, and the controller would hardly dare to turn.
-        _measure(client, topics.WRENCH_TARE, {"duration": 1.0})
+        _measure(client, topics.WRENCH_TARE, {"duration": 1.0, "force": force})
         ask(bus, topics.WRENCH_IDENTIFY, {"action": "start"})
         try:
             for number, (about_x, about_y) in enumerate(TILTS, 1):
                 pose = [*start.position.tolist(), roll + about_x * angle, pitch + about_y * angle, yaw]
                 typer.echo(f"pose {number} of {len(TILTS)} ", nl=False)
-                away = _go(client, subscription, make_target(pose, force, torque))
+                away = _go(client, subscription, make_target(pose, *limits))
                 _measure(client, topics.WRENCH_IDENTIFY, {"action": "add"})
                 typer.echo("taken" if away < ARRIVED else _short(away, status))
-            reply = ask(bus, topics.WRENCH_IDENTIFY, {"action": "solve"})
+            reply = ask(bus, topics.WRENCH_IDENTIFY, {"action": "solve", "force": force})
         except (KeyboardInterrupt, typer.Exit):
             _cancel(bus)
             raise
@@ -141,6 +142,8 @@ def _show(reply: dict[str, Any]) -> None:
         typer.echo(f"{name:15} [{shown}] {unit}")
     typer.echo(f"residual (rms)  [{', '.join(f'{value:.3f}' for value in reply['residual_rms'])}] N, Nm")
     typer.echo(f"condition       {reply['condition']:.1f}")
-    typer.echo("It is subtracted from now on, in every pose.")
+    typer.echo("It is subtracted from now on, in every pose; the farther from the ten, the larger the stated error.")
+    if reply.get("warning"):
+        typer.echo(f"adopted by force: {reply['warning']}", err=True)
     if reply.get("file"):
         typer.echo(f"A later stack uses it too with: tandem up --set 'wrench.payload=\"{reply['file']}\"'")

@@ -15,12 +15,13 @@ from shared.spatial import GRAVITY
 
 def tare(
     duration: Annotated[float, typer.Option(min=0.1, help="How long to average [s].")] = 1.0,
+    force: Annotated[bool, typer.Option("--force", help="Adopt it although it is implausible.")] = False,
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
-    """Average the force-torque sensor while the robot is still and subtract that from now on."""
+    """Average the force-torque sensor while the robot is still and nothing touches it; subtract that from now on."""
     with open_bus(robot, connect) as bus:
-        reply = ask(bus, topics.WRENCH_TARE, {"duration": duration}, timeout=duration + 3.0)
+        reply = ask(bus, topics.WRENCH_TARE, {"duration": duration, "force": force}, timeout=duration + 3.0)
     typer.echo(f"tared over {reply['samples']} samples (sensor axes)")
     for name, unit, bias, std in (
         ("force", "N", reply["force"], reply["std"][:3]),
@@ -28,6 +29,9 @@ def tare(
     ):
         shown = ", ".join(f"{value:+.3f} ± {spread:.3f}" for value, spread in zip(bias, std, strict=True))
         typer.echo(f"{name:6} [{shown}] {unit}")
+    typer.echo("That nothing touched the tool is your word: a steady push within bias_bound looks like a bias.")
+    if reply.get("warning"):
+        typer.echo(f"adopted by force: {reply['warning']}", err=True)
 
 
 def task(

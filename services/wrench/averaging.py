@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -30,22 +30,26 @@ class Average:
         std: (6,) [N, Nm] standard deviation of one reading.
         samples: number of readings.
         rotation: sensor in base (3, 3).
+        peak: (6,) [N, Nm] largest distance of a reading from the mean: spikes are more than their standard deviation.
+        rounding: bound (6,) [N, Nm] on what steps or a dead zone make the mean wrong by.
     """
 
     mean: Array
     std: Array
     samples: int
     rotation: Array
+    peak: Array = field(default_factory=lambda: np.zeros(6))
+    rounding: Array = field(default_factory=lambda: np.zeros(6))
 
     @property
     def mean_error(self) -> Array:
         """Bound (6,) [N, Nm] on the error of the mean, for independent readings."""
-        return SIGMAS * self.std / math.sqrt(self.samples)
+        return SIGMAS * self.std / math.sqrt(self.samples) + self.rounding
 
     @property
     def noise(self) -> Array:
         """Bound (6,) [N, Nm] on the noise of one reading."""
-        return SIGMAS * self.std
+        return np.maximum(SIGMAS * self.std, self.peak) + self.rounding
 
 
 class AveragingWindow:
@@ -54,11 +58,14 @@ class AveragingWindow:
     Args:
         duration: [s].
         noise_bound: (6,) [N, Nm] declared bound on the sensor's noise, sensor axes.
+        resolution: (6,) [N, Nm] declared step of the readings, or reading up to which they are zero, 0 = unknown.
+        bias_bound: (6,) [N, Nm] declared bound on the bias: that of an axis that is zero while others have noise.
     """
 
-    def __init__(self, duration: float, noise_bound: Array) -> None:
+    def __init__(self, duration: float, noise_bound: Array, resolution: Array, bias_bound: Array) -> None:
         self._left = duration
         self._noise_bound = noise_bound
+        self._resolution, self._bias_bound = resolution, bias_bound
         self._readings: list[Array] = []
         self._rotations: list[Array] = []
 
@@ -84,15 +91,20 @@ class AveragingWindow:
         mean, std = readings.mean(axis=0), readings.std(axis=0, ddof=1)
         half = count // 2
         drift = np.abs(readings[:half].mean(axis=0) - readings[half:].mean(axis=0))
-        drift_limit = np.maximum(0.5 * self._noise_bound, 2.0 * SIGMAS * std / math.sqrt(count))
-        for what, values, limits in (("varies", std, self._noise_bound), ("drifts", drift, drift_limit)):
+        allowed = self._noise_bound + self._resolution
+        drift_limit = np.maximum(0.5 * allowed, 2.0 * SIGMAS * std / math.sqrt(count))
+        for what, values, limits in (("varies", std, allowed), ("drifts", drift, drift_limit)):
             axis = int(np.argmax(values / limits))
             if values[axis] > limits[axis]:
                 raise NotStill(
                     f"{AXES[axis]} {what} by {values[axis]:.3g}, allowed are {limits[axis]:.3g} {UNITS[axis]}: "
                     "the tool moves or something touches it. Let it stand still and free, or raise noise_bound"
                 )
-        return Average(mean, std, count, rotation)
+        rounding = np.array([_rounding(readings[:, axis]) for axis in range(6)])
+        if std.any():
+            rounding = np.where(np.isinf(rounding), self._bias_bound, rounding)
+        rounding = np.where(self._resolution > 0.0, self._resolution, np.where(np.isinf(rounding), 0.0, rounding))
+        return Average(mean, std, count, rotation, np.abs(readings - mean).max(axis=0), rounding)
 
     def _mean_rotation(self) -> Array:
         first = self._rotations[0]
@@ -102,3 +114,17 @@ class AveragingWindow:
             raise NotStill(f"the sensor turned by {largest:.3f} rad, allowed are {LARGEST_TURN} rad: the tool moves")
         # Within a hundredth of a radian the mean of the rotation vectors is the mean of the rotations.
         return rotation_from_vector(turns.mean(axis=0)) @ first
+
+
+def _rounding(readings: Array) -> float:
+    """What steps or a dead zone may make the mean of an axis' readings (n,) wrong by; infinite if all of them are zero.
+
+    Noise of half a step and more makes the mean of rounded readings right. A dead zone shows by zeros among others.
+    """
+    values = np.unique(readings)
+    others = np.abs(values[values != 0.0])
+    if not others.size:
+        return math.inf
+    zone = float(others.min()) if np.count_nonzero(readings == 0.0) > 1 else 0.0
+    step = float(np.diff(values).min()) if len(values) > 1 else 0.0
+    return max(zone, 0.5 * step if readings.std() < 0.5 * step else 0.0)

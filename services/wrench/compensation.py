@@ -22,7 +22,7 @@ from shared.schema.fields import Number, Text, Vector
 from shared.schema.records import Record, of
 from shared.spatial import GRAVITY, Array, cross, rotation_from_vector, skew
 
-_ZERO3, _ZERO6 = (0.0,) * 3, (0.0,) * 6
+_ZERO3, _ZERO6, _ZERO9 = (0.0,) * 3, (0.0,) * 6, (0.0,) * 9
 
 
 def upright(rotation: Array, gravity: Array) -> Array:
@@ -76,6 +76,14 @@ class Compensation(Record):
         default=_ZERO6,
     )
     up: Array = of(Vector("", "against gravity in sensor axes at the tare"), default=_ZERO3)
+    misfit_rms: Array = of(Vector("N, Nm", "that an identification left, over its poses", size=6), default=_ZERO6)
+    misfit_peak: Array = of(Vector("N, Nm", "as misfit_rms, the largest", size=6), default=_ZERO6)
+    down: Array = of(Vector("", "gravity's direction in sensor axes that the misfit counts from"), default=_ZERO3)
+    spread: Array = of(Vector("", "inverse covariance of gravity's direction over the poses", size=9), default=_ZERO9)
+    warning: str = of(Text(doc="why it is implausible, where it was adopted by force"), default="")
+    bias_bound: Array = of(Vector("N, Nm", "counts where larger: the declared is refuted", size=6), default=_ZERO6)
+    tool_mass: float = of(Number("kg", "counts where larger: the declared is refuted"), default=0.0)
+    drift: Array = of(Vector("N, Nm per min", "counts where larger: zero_drift is refuted", size=6), default=_ZERO6)
 
     def offset(self, rotation: Array) -> Array:
         """What to subtract (6,) [N, Nm] from a reading taken with the sensor at ``rotation`` in upright axes."""
@@ -85,6 +93,15 @@ class Compensation(Record):
     def weight(self, rotation: Array) -> Array | None:
         """Weight (6,) [N, Nm] of the identified payload, sensor axes; None without one."""
         return weight_of_up(self).dot(rotation[2]) if self.kind == "payload" else None
+
+    def misfit(self, up: Array) -> Array:
+        """Bound (6,) [N, Nm] on what an identified payload leaves unexplained, sensor axes.
+
+        Args:
+            up: against gravity (3,), sensor axes. Far from the attitudes of the poses the bound grows.
+        """
+        away = up + self.down
+        return np.maximum(self.misfit_peak, math.sqrt(away.dot(self.spread.reshape(3, 3)).dot(away)) * self.misfit_rms)
 
     def tared(self, reading: Array, error: Array, noise: Array, rotation: Array) -> Compensation:
         """This compensation after a tare: the average ``reading`` (6,) is what nothing touching looks like.
@@ -99,8 +116,19 @@ class Compensation(Record):
         """
         if self.kind == "payload":
             weight = payload_wrench(self.mass, self.moment, rotation)
-            return self.replaced(bias=reading - weight, bias_error=error, noise=noise)
-        return Compensation("tare", bias=reading, bias_error=error, noise=noise, up=rotation[2])
+            # The bias holds what the payload leaves unexplained here: from here on that counts anew.
+            error, down = error + self.misfit_peak, -rotation[2]
+            return self.replaced(
+                bias=reading - weight, bias_error=error, noise=noise, down=down, warning="", bias_bound=_ZERO6
+            )
+        return Compensation(
+            "tare",
+            bias=reading,
+            bias_error=error,
+            noise=noise,
+            up=rotation[2],
+            drift=self.drift,
+        )
 
 
 @lru_cache(maxsize=4)

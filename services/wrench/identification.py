@@ -10,6 +10,14 @@ unknowns are then forces and torques alone, and the condition numbers say how we
 direction of gravity in the sensor's axes matters; it has to leave a straight line, or the part of h along that line
 cannot be told from the bias. Standard deviations follow from the residuals, or from the noise of the averages where
 that is larger: with few poses a small residual is luck.
+
+A fit has to explain its data: the sum of squared residuals over their variance, that of the averages plus what a wrong
+attitude makes of the weight, is held against the chi-square quantile that white noise exceeds once in 30,000 fits.
+
+What the fit leaves of any effect that is linear in gravity's direction (gains, crosstalk, a soft cable) is E a, with a
+that direction less its mean over the poses, since each axis has its own bias. Of that the poses have seen E S E^T,
+S = mean of a a^T, so in any attitude axis i of it is at most rms_i sqrt(a^T S^-1 a): small among the poses, large
+outside.
 """
 
 from __future__ import annotations
@@ -25,11 +33,17 @@ from shared.schema.records import Record, of
 from shared.spatial import GRAVITY, Array, skew
 
 LARGEST_CONDITION = 30.0  # [1] above it the readings' errors come out thirty times as large in the unknowns
+_SHARPEST = 1e-4  # [1] added to S: what directions that no pose has shown are taken to be known to, squared
+_QUANTILE = 4.0  # standard deviations of normal noise that are exceeded, upwards, once in 30,000 times
 FEWEST_POSES = 3  # three directions of gravity that do not lie on one line determine the ten unknowns
 
 
 class NotExciting(ValueError):
     """The poses do not determine the unknowns; the text says which motion is missing."""
+
+
+class NoWeight(NotExciting):
+    """The poses give no weight that hangs from the sensor."""
 
 
 class IdentifiedPayload(Record):
@@ -48,6 +62,11 @@ class IdentifiedPayload(Record):
     noise: Array = of(Vector("N, Nm", "bound on the noise of one reading", size=6, minimum=0.0))
     condition: float = of(Number(doc="the larger condition number of the two scaled problems"))
     poses: int = of(Integer(doc="how many were used"))
+    down: Array = of(Vector("", "mean direction of gravity over the poses, sensor axes"), default=(0.0,) * 3)
+    spread: Array = of(
+        Vector("", "inverse of the directions' covariance, row by row; zeros if it is not known", size=9),
+        default=(0.0,) * 9,
+    )
 
     def compensation(self) -> Compensation:
         """What to subtract from readings, with bounds on its error."""
@@ -58,7 +77,12 @@ class IdentifiedPayload(Record):
             "payload",
             bias=np.concatenate((self.force_bias, self.torque_bias)),
             # What the model does not explain (a bent cable, a sensor off its calibration) shows in the residuals.
-            bias_error=SIGMAS * bias_sigma + self.residual_peak,
+            bias_error=SIGMAS * bias_sigma,
+            misfit_rms=self.residual_rms,
+            misfit_peak=self.residual_peak,
+            down=self.down,
+            # Of a file that does not tell, the poses' condition has to tell how far they reach.
+            spread=self.spread if self.spread.any() else (4.0 * self.condition) ** 2 * np.eye(3).ravel(),
             mass=self.mass,
             moment=self.mass * self.com,
             mass_error=SIGMAS * self.sigma_mass,
@@ -71,7 +95,8 @@ def identify(poses: list[Average]) -> IdentifiedPayload:
     """Weight and bias from averages at several poses with nothing touching the tool.
 
     Raises:
-        NotExciting: if the poses do not determine the unknowns, or there is no weight to be found.
+        NotExciting: if the poses do not determine the unknowns.
+        NoWeight: if there is no weight to be found, or one that pulls upwards.
     """
     if len(poses) < FEWEST_POSES:
         raise NotExciting(
@@ -88,14 +113,18 @@ def identify(poses: list[Average]) -> IdentifiedPayload:
     force, force_covariance, force_residuals = _least_squares(force_rows, means[:, :3], mean_sigma[:3])
     torque, torque_covariance, torque_residuals = _least_squares(torque_rows, means[:, 3:], mean_sigma[3:])
     mass, sigma_mass = force[0] / GRAVITY, np.sqrt(force_covariance[0, 0]) / GRAVITY
+    if mass < -SIGMAS * sigma_mass:
+        raise NoWeight(f"the weight found, {mass:.4f} kg, pulls upwards: no payload does")
     if mass <= SIGMAS * sigma_mass:
-        raise NotExciting(
+        raise NoWeight(
             f"the weight found, {mass:.4f} kg with a standard deviation of {sigma_mass:.4f} kg, does not stand out: "
-            "is anything mounted beyond the sensor, and does nothing touch it?"
+            "is anything mounted beyond the sensor, does nothing touch it? Or do the readings not turn with it, being "
+            "given in base axes, or compensated already?"
         )
     com = torque[:3] / force[0]
     com_variance = (np.diag(torque_covariance)[:3] + com**2 * force_covariance[0, 0]) / force[0] ** 2
     residuals = np.hstack((force_residuals, torque_residuals))
+    away = down - down.mean(axis=0)
     return IdentifiedPayload(
         mass=float(mass),
         com=com,
@@ -105,12 +134,36 @@ def identify(poses: list[Average]) -> IdentifiedPayload:
         sigma_com=np.sqrt(com_variance),
         sigma_force_bias=np.sqrt(np.diag(force_covariance)[1:]),
         sigma_torque_bias=np.sqrt(np.diag(torque_covariance)[3:]),
-        residual_rms=np.sqrt((residuals**2).mean(axis=0)),
+        residual_rms=np.maximum(np.sqrt((residuals**2).mean(axis=0)), mean_sigma),
         residual_peak=np.abs(residuals).max(axis=0),
         noise=np.max([pose.noise for pose in poses], axis=0),
         condition=condition,
         poses=len(poses),
+        down=down.mean(axis=0),
+        spread=np.linalg.inv(away.T @ away / len(poses) + _SHARPEST * np.eye(3)).ravel(),
     )
+
+
+def misfit(result: IdentifiedPayload, poses: list[Average], tilt: float) -> Array:
+    """Sums of squared residuals (2,) of forces and torques, as shares of what noise and attitude explain at most.
+
+    Args:
+        result: of these poses.
+        poses: that were identified.
+        tilt: largest error of the attitude [rad].
+    """
+    weight = result.mass * GRAVITY * tilt
+    arm = float(np.linalg.norm(result.com))
+    variance = np.mean([pose.std**2 / pose.samples + pose.rounding**2 / 3.0 for pose in poses], axis=0)
+    variance = variance + np.array((*[weight**2] * 3, *[(weight * arm) ** 2] * 3))
+    sums = (len(poses) * result.residual_rms**2 / np.maximum(variance, 1e-18)).reshape(2, 3).sum(axis=1)
+    return np.array([found / _chi_square(3 * len(poses) - k) for found, k in zip(sums, (4, 6), strict=True)])
+
+
+def _chi_square(freedom: int) -> float:
+    """Quantile of the chi-square distribution beyond which `_QUANTILE` lies (Wilson and Hilferty's approximation)."""
+    part = 2.0 / (9.0 * freedom)
+    return freedom * (1.0 - part + _QUANTILE * math.sqrt(part)) ** 3
 
 
 def _design(down: Array) -> tuple[Array, Array]:

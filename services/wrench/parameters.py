@@ -56,7 +56,11 @@ class WrenchParameters(Parameters):
     )
     tool_reach: float = parameter(0.1, "m", 0.0, 2.0, "largest distance of that mass' centre from the tool's origin")
     resolution: Vector6 = parameter(
-        (0.0,) * 6, "N, Nm", 0.0, 100.0, "step of the readings, or width of their dead zone, 0 = unknown, or none"
+        (0.0,) * 6,
+        "N, Nm",
+        0.0,
+        100.0,
+        "step of the readings, or reading up to which it is zero; adds to the bound; 0 = unknown",
     )
     sensor_range: Vector6 = parameter(
         tuple(SENSOR_RANGE.tolist()),
@@ -89,14 +93,9 @@ class WrenchParameters(Parameters):
                 f"lowpass_hz is {self.lowpass_hz:g}, which is {lag:.2g} s late: the controller's delay can count "
                 f"{LONGEST_LAG:g} s at most; allowed is 0, or {1.0 / (2.0 * math.pi * LONGEST_LAG):.1f} Hz or more"
             )
-        for axis, unit, noise, bias, step, end in zip(
-            AXES, UNITS, self.noise_bound, self.bias_bound, self.resolution, self.sensor_range, strict=True
+        for axis, unit, noise, bias, end in zip(
+            AXES, UNITS, self.noise_bound, self.bias_bound, self.sensor_range, strict=True
         ):
-            if noise < step / 2.0:
-                raise Refused(
-                    f"noise_bound is {noise:g} {unit} in {axis}, the rounding to steps of {step:g} (resolution) "
-                    f"alone is {step / 2.0:g}: raise noise_bound, or lower resolution"
-                )
             if noise + bias >= end:
                 raise Refused(
                     f"noise_bound and bias_bound are {noise + bias:g} {unit} together in {axis}, sensor_range is "

@@ -6,8 +6,8 @@ do it in health. What an axis was like while it lived tells:
     noisy     readings went up and down in turns, as noise does and motion does not, by more than their steps q
     p         share of readings that repeated the one before (two standard deviations above what was seen); on a grid of
               steps q at least erf(q / (sqrt(2 pi) s)), s = mean change between readings: normal noise, mid-step
-    stuck     a noisy axis repeats a value so often that p^repeats < 1e-9; or the identified weight along an axis
-              changes with the sensor's attitude and the reading does not
+    stuck     a noisy axis repeats a value so often that p^repeats < 1e-9; or the weight beyond the sensor changes
+              along an axis with the sensor's attitude and the reading does not
     saturated as stuck, but at an end of the declared range, or farther out than the axis has ever been
 """
 
@@ -15,6 +15,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+
+import numpy as np
 
 from services.wrench.averaging import AXES, UNITS
 from shared.spatial import Array
@@ -34,8 +36,10 @@ LEAST_CHANGES = 0.5  # share of readings that change
 LEAST_SPREAD = 1.5  # steps in the mean change: below it p depends on where within a step the load lies
 OUTLYING = 8.0  # mean steps from its mean at which the outermost value of an axis is no noise any more
 DEAD_ZONE = (1.0, 20.0)  # mean steps between the value an axis rests at and the next ones it takes
-LEAST_WEIGHT = (1.0, 1.0, 1.0, 0.05, 0.05, 0.05)  # [N, Nm] change of the identified weight that has to show
+LEAST_WEIGHT = (0.3, 0.3, 0.3, 0.02, 0.02, 0.02)  # [N, Nm] change of the weight beyond the sensor that has to show
 SILENT_START = 2.0  # [s] after which an axis that has never changed is spoken of
+
+_NONE: Array = np.zeros(6)
 
 
 @dataclass(slots=True)
@@ -65,6 +69,8 @@ class _Axis:
         if abs(change) <= RESOLUTION:
             self.held += dt
             self.repeats += 1
+            if math.isnan(self.weight):
+                self.weight = weight
             return
         if math.isfinite(change):
             self._left(value, change)
@@ -110,6 +116,16 @@ class _Axis:
             return math.inf
         return max(FEWEST_REPEATS, math.log(CHANCE) / math.log(chance)) if chance > 0.0 else FEWEST_REPEATS
 
+    def heavy(self, weight: float, least: float, step: float, known: bool) -> bool:
+        """Whether the weight has changed along with the attitude, and the reading has not."""
+        if not (self.changes or known):
+            return False
+        if self.turns >= LEAST_TURNS * self.changes > 0.0 and self.repeats < self.needed():
+            return False  # noise may have hidden the change by chance
+        return abs(weight - self.weight) > least + 2.0 * max(
+            step, self.grid if self.changes >= FEWEST_READINGS / 2 else 0.0
+        )
+
     def resting(self) -> bool:
         """Whether the value is the middle of a dead zone, by what was seen of it."""
         near, far = DEAD_ZONE
@@ -118,7 +134,7 @@ class _Axis:
     def outermost(self) -> bool:
         """Whether it came to a value farther out than noise, than any other, and not in one leap as a fault does."""
         far = abs(self.value - self.mean)
-        if far <= max(OUTLYING * self.scale, 2.0 * abs(self.step)):
+        if self.readings < FEWEST_READINGS or far <= max(OUTLYING * self.scale, 2.0 * abs(self.step)):
             return False
         return self.value >= self.high if self.value > self.mean else self.value <= self.low
 
@@ -148,7 +164,8 @@ class SensorWatch:
         stuck_after: float,
         resolution: tuple[float, ...] = (0.0,) * 6,
         sensor_range: tuple[float, ...] = (math.inf,) * 6,
-        weight: Array | None = None,
+        weight: Array = _NONE,
+        known: bool = False,
     ) -> str:
         """The fault that the newest reading shows, empty if none.
 
@@ -159,11 +176,12 @@ class SensorWatch:
             stuck_after: time [s] within which a stuck axis has to be reported.
             resolution: declared step of the readings (6,) [N, Nm], or width of a dead zone; 0 = unknown.
             sensor_range: largest reading of each axis (6,) [N, Nm].
-            weight: of the identified payload at this attitude (6,), sensor axes; None if it is not known.
+            weight: beyond the sensor at this attitude (6,), at least, sensor axes.
+            known: that is the weight of an identified payload, and shows in axes too that have never changed.
         """
         self._age += dt
         values = reading.tolist()
-        weights = [0.0] * 6 if weight is None else weight.tolist()
+        weights = weight.tolist()
         word = reason = ""
         for number, axis in enumerate(self._axes):
             value, step = values[number], resolution[number]
@@ -172,7 +190,10 @@ class SensorWatch:
                 beyond = abs(value) > sensor_range[number] + RESOLUTION
                 word, reason = (INVALID if beyond else SATURATED), self._at_its_end(number, sensor_range[number])
             elif axis.repeats and not axis.stuck:
-                axis.stuck = self._is_stuck(axis, number, weights[number], dt, stuck_after, step)
+                in_time = axis.held + PERIODS_AHEAD * dt > stuck_after  # the next reading could be too late
+                axis.stuck = axis.heavy(weights[number], LEAST_WEIGHT[number], step, known) or (
+                    in_time and axis.noisy(step) and axis.repeats >= axis.needed() and not axis.resting()
+                )
             elif not axis.repeats:
                 axis.stuck = False
         if saturated:
@@ -192,6 +213,11 @@ class SensorWatch:
         self.reason = ""
         return ""
 
+    def reweigh(self) -> None:
+        """The weight given from now on is another one: only its changes from here on count."""
+        for axis in self._axes:
+            axis.weight = math.nan
+
     def notes(self) -> str:
         """Axes that have never changed, which is no proof of a fault; empty if there is none."""
         still = [number for number, axis in enumerate(self._axes) if not axis.changes]
@@ -200,17 +226,9 @@ class SensorWatch:
         if len(still) == 6:
             return "the force sensor has repeated its first reading since the start: is it a simulator without noise?"
         return (
-            f"{_named(still, self._axes)} since the start: a sensor of fewer axes? "
+            f"{_named(still, self._axes)} since the start: a sensor of fewer axes, or one without noise? "
             "What acts along an axis that is not measured is not felt"
         )
-
-    @staticmethod
-    def _is_stuck(axis: _Axis, number: int, weight: float, dt: float, stuck_after: float, step: float) -> bool:
-        if abs(weight - axis.weight) > LEAST_WEIGHT[number] + 2.0 * step:
-            return True
-        # Waiting for the next reading could be too late.
-        in_time = axis.held + PERIODS_AHEAD * dt > stuck_after
-        return in_time and axis.noisy(step) and axis.repeats >= axis.needed() and not axis.resting()
 
     def _of_stuck(self, stuck: list[int]) -> tuple[str, str]:
         ends = [number for number in stuck if self._axes[number].outermost()]

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
 
-from services.wrench.compensation import Compensation, transport, upright
+from services.wrench.averaging import Average, AveragingWindow
+from services.wrench.compensation import Compensation, payload_wrench, transport, upright
 from services.wrench.error_bound import bias_error, error_bound
 from services.wrench.identification import IdentifiedPayload
+from services.wrench.lowpass import LowPass
 from services.wrench.measurements import Measurements, described
 from services.wrench.parameters import WrenchParameters
+from services.wrench.plausibility import Declared, Former, forced, payload_doubt, refusal, tare_doubt
 from services.wrench.sensor_watch import INVALID, SILENT, SensorWatch
 from services.wrench.storage import Journal, JournalEntry, load_payload, save_payload
 from services.wrench.zero import Zero
@@ -19,10 +21,13 @@ from shared import topics
 from shared.faults import Fault, FaultKind
 from shared.messages import ExternalWrench
 from shared.parameters import Refused
-from shared.requests import AddPose, Poses, SolveIdentification, StartIdentification, Tare
+from shared.requests import AddPose, Poses, SolveIdentification, StartIdentification, Tare, Tared
 from shared.schema.records import Record
 from shared.service import Inputs, Output, Reply, Service, Wiring
 from shared.spatial import Array, rotation_matrix
+
+ATTITUDE = 0.005  # [rad] that a robot's own kinematics may be wrong by, besides the floor
+LIGHTEST = 0.5  # share of `tool_mass` that the tool weighs at least, if there is one
 
 
 class Wrench(Service[WrenchParameters]):
@@ -53,7 +58,8 @@ class Wrench(Service[WrenchParameters]):
         self._journal = Journal(folder / "wrench.json" if folder else None)
         self._watch = SensorWatch()
         self._lowpass = LowPass()
-        self._measurements = Measurements(self._adopt_tare)
+        self._measurements = Measurements(self._tared)
+        self._tool_offset: Array = np.zeros(3)
         self._zero = Zero()
         self._tare_began = 0
         self._identification_began: int | None = None
@@ -79,8 +85,10 @@ class Wrench(Service[WrenchParameters]):
             settings.stuck_after,
             settings.resolution,
             settings.sensor_range,
-            self.compensation.weight(standing),
+            self._least_weight(standing, sample.tool_offset),
+            known=self.compensation.kind == "payload",
         )
+        self._tool_offset = sample.tool_offset
         to_tool = transport(rotation, sample.tool_offset)
         wrench = to_tool.dot(raw - self.compensation.offset(standing))
         wrench = self._lowpass.filter(wrench, settings.lowpass_hz, dt)
@@ -88,9 +96,8 @@ class Wrench(Service[WrenchParameters]):
             self.compensation,
             rotation,
             to_tool,
-            np.maximum(self._noise_bound, self.compensation.noise)
-            + bias_error(self.compensation, self._zero.age, self._zero_drift, self._bias_bound),
-            (settings.tool_mass, settings.tool_reach),
+            self._box(standing),
+            (max(settings.tool_mass, self.compensation.tool_mass), settings.tool_reach),
             sample.gravity,
             settings.floor_tilt,
         )
@@ -99,7 +106,7 @@ class Wrench(Service[WrenchParameters]):
         if fault:
             self._measurements.abort(self._trouble)
         else:
-            self._measurements.add(raw, standing, dt, self.compensation)
+            self._measurements.add(raw, standing, dt)
         return [Output(topics.WRENCH_EXTERNAL, self._last, valid=not fault)]
 
     def brake(self, fault: Fault, dt: float) -> list[Output]:
@@ -116,13 +123,18 @@ class Wrench(Service[WrenchParameters]):
     def query(self, query: topics.Query, request: Record, reply: Reply) -> None:
         """Answer a tare or a step of an identification; what needs an average is answered in a later step."""
         if isinstance(request, SolveIdentification):
-            result = self._measurements.solve()
-            self._adopt(result.compensation(), self._identification_began)
-            reply(described(result, self._saved(result)))
+            declared, former = self._declared, self._former
+            result, doubt = self._measurements.solve(
+                request.force, declared.tilt, lambda found: payload_doubt(found, declared, former)
+            )
+            self._adopt(forced(result.compensation(), doubt, declared), self._identification_began)
+            self._identification_began = None
+            reply(described(result, self._saved(result), doubt))
         elif isinstance(request, (Tare, AddPose)):
             if self._trouble:
                 raise Refused(self._trouble)
-            self._measurements.begin(request, self._noise_bound, reply)
+            bounds = self._noise_bound, self._resolution, self._bias_bound
+            self._measurements.begin(request, AveragingWindow(request.duration, *bounds), reply)
             # A bias is as old as the oldest reading in it.
             if isinstance(request, Tare):
                 self._tare_began = self._zero.stamp
@@ -142,12 +154,64 @@ class Wrench(Service[WrenchParameters]):
         another = parameters.payload != self.parameters.payload
         self._configured(parameters, reload=another)
         self.parameters = parameters
+        self._watch.reweigh()
         if another:
             self._adopt(self.compensation, None)
 
     def notes(self) -> str:
         """What a person should know of sensor, zero and files although the service works."""
-        return "; ".join(filter(None, (self._trouble, self._watch.notes(), self._journal.problem)))
+        zero = self.compensation.warning and f"the zero was adopted by force: {self.compensation.warning}"
+        notes = (self._trouble, self._watch.notes(), zero, self._refuted(), self._journal.problem)
+        return "; ".join(filter(None, notes))
+
+    def _refuted(self) -> str:
+        """Which declared bounds the sensor itself has refuted."""
+        known = self.compensation
+        found = (
+            ("noise_bound", self._noise_bound, known.noise),
+            ("bias_bound", self._bias_bound, known.bias_bound),
+            ("zero_drift", self._zero_drift, known.drift),
+            ("tool_mass", np.array([self.parameters.tool_mass]), np.array([known.tool_mass])),
+        )
+        return "; ".join(
+            f"{name} is refuted by what was measured, {np.round(measured, 3).tolist()} count"
+            for name, declared, measured in found
+            if np.any(measured > 1.2 * declared)
+        )
+
+    @property
+    def _declared(self) -> Declared:
+        settings = self.parameters
+        return Declared(
+            self._bias_bound, settings.tool_mass, settings.tool_reach, self._tool_offset, settings.floor_tilt + ATTITUDE
+        )
+
+    @property
+    def _former(self) -> Former | None:
+        """The zero of this run that another one can be held against."""
+        if self._zero.age < 0.0 or self.compensation.kind == "none" or self.compensation.warning:
+            return None
+        return Former(self.compensation, self._error_of_bias, self._zero.age)
+
+    @property
+    def _error_of_bias(self) -> Array:
+        known = self.compensation
+        drift, most = np.maximum(self._zero_drift, known.drift), np.maximum(self._bias_bound, known.bias_bound)
+        return bias_error(known, self._zero.age, drift, most)
+
+    def _box(self, standing: Array) -> Array:
+        """Bound (6,) on what is wrong with a reading and its bias, sensor axes."""
+        box = np.maximum(self._noise_bound + self._resolution, self.compensation.noise) + self._error_of_bias
+        return box + self.compensation.misfit(standing[2]) if self.compensation.kind == "payload" else box
+
+    def _least_weight(self, standing: Array, offset: Array) -> Array:
+        """Weight (6,) beyond the sensor: as identified, else what is there at least if anything is, sensor axes."""
+        weight = self.compensation.weight(standing)
+        if weight is not None:
+            return weight
+        mass, far = LIGHTEST * self.parameters.tool_mass, float(np.linalg.norm(offset))
+        lever = max(0.0, 1.0 - self.parameters.tool_reach / far) if far > 0.0 else 0.0
+        return payload_wrench(mass, mass * lever * offset, standing)
 
     def _configured(self, parameters: WrenchParameters, reload: bool) -> None:
         if reload:
@@ -156,6 +220,7 @@ class Wrench(Service[WrenchParameters]):
         self._noise_bound: Array = np.array(parameters.noise_bound)
         self._bias_bound: Array = np.array(parameters.bias_bound)
         self._zero_drift: Array = np.array(parameters.zero_drift)
+        self._resolution: Array = np.array(parameters.resolution)
         self.max_delay = parameters.max_delay
 
     def _follow(self, session: int, stamp: int, dt: float) -> None:
@@ -180,16 +245,27 @@ class Wrench(Service[WrenchParameters]):
         self._watch = SensorWatch()
         self._record()
 
-    def _adopt_tare(self, compensation: Compensation) -> float:
-        """Subtract this from now on; the age [s] of the zero that it replaces, or -1."""
+    def _tared(self, average: Average, request: Tare) -> Tared:
+        """Subtract an average from now on.
+
+        Raises:
+            Refused: if it is no zero of a free tool, and not asked for by force.
+        """
+        known, declared, former = self.compensation, self._declared, self._former
+        doubt = tare_doubt(average, known, declared, former)
+        if doubt and not request.force:
+            raise refusal(doubt)
+        tared = known.tared(average.mean, average.mean_error, average.noise, average.rotation)
+        tared = forced(tared, doubt, declared, former)
         replaced = self._zero.age
-        self._adopt(compensation, self._tare_began)
-        return replaced
+        self._adopt(tared, self._tare_began)
+        return Tared(tared.bias[:3], tared.bias[3:], average.samples, average.std, replaced, doubt)
 
     def _adopt(self, compensation: Compensation, since: int | None) -> None:
         """Subtract this from now on; its bias is measured since a stamp [ns] of this run, if it is."""
         self.compensation, self._zero.since = compensation, since
         self._lowpass.reset()
+        self._watch.reweigh()
         self._record()
 
     def _record(self) -> None:
@@ -208,32 +284,3 @@ class Wrench(Service[WrenchParameters]):
             self._journal.problem = str(problem)
             return ""
         return str(path)
-
-
-class LowPass:
-    """First-order low pass of the external wrench, exact for an input held over each step.
-
-    It delays what the controller sees: a ramp comes out 1 / (2 pi f) [s] late, which has to be counted in the
-    controller's `delay`. It is not credited in the error bound.
-    """
-
-    def __init__(self) -> None:
-        self._state: Array | None = None
-
-    def filter(self, value: Array, cutoff: float, dt: float) -> Array:
-        """The filtered value (6,); the first one after a start or a reset passes unchanged.
-
-        Args:
-            value: newest input (6,).
-            cutoff: corner frequency [Hz], 0 = off.
-            dt: time [s] since the last call.
-        """
-        if self._state is None or cutoff <= 0.0:
-            self._state = value
-        else:
-            self._state = self._state + (1.0 - math.exp(-2.0 * math.pi * cutoff * dt)) * (value - self._state)
-        return self._state
-
-    def reset(self) -> None:
-        """Forget the past, after a gap or a change of the compensation."""
-        self._state = None

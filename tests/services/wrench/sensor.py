@@ -62,7 +62,7 @@ class Sensor:
 
     def average(self, rotation: Array, samples: int = 100) -> Average:
         """Average of noisy readings at rest."""
-        window = AveragingWindow(1e9, NOISE_BOUND)
+        window = AveragingWindow(1e9, NOISE_BOUND, np.zeros(6), NOISE_BOUND)
         for _ in range(samples):
             window.add(self.reading(rotation), rotation, 0.01)
         return window.average()

@@ -12,10 +12,11 @@ from shared.spatial import Array, rotation_from_vector, rotation_vector
 from tests.services.wrench.sensor import LEVEL, NOISE, NOISE_BOUND, Sensor
 
 DT = 0.01
+BIAS_BOUND = 10 * NOISE_BOUND
 
 
 def averaged(readings: list[Array], rotations: list[Array] | None = None, duration: float | None = None) -> Average:
-    window = AveragingWindow(duration or DT * (len(readings) - 1) - 1e-9, NOISE_BOUND)
+    window = AveragingWindow(duration or DT * (len(readings) - 1) - 1e-9, NOISE_BOUND, np.zeros(6), BIAS_BOUND)
     full = [window.add(r, R, DT) for r, R in zip(readings, rotations or [LEVEL] * len(readings), strict=True)]
     assert full == [False] * (len(full) - 1) + [True]
     return window.average()
@@ -34,6 +35,26 @@ def test_bound_on_the_mean_holds() -> None:
     for _ in range(50):
         average = averaged([sensor.reading(LEVEL) for _ in range(40)])
         assert np.all(np.abs(average.mean - sensor.exact(LEVEL)) <= average.mean_error)
+
+
+def test_spikes_steps_and_dead_zones_are_in_the_bounds() -> None:
+    sensor = Sensor()
+    readings = np.array([sensor.reading(LEVEL) for _ in range(200)])
+    spiky = readings.copy()
+    spiky[::40] += 12 * NOISE
+    assert np.all(averaged(list(spiky)).noise >= 10 * NOISE)
+    step = 10 * NOISE
+    coarse = averaged(list(step * np.round(readings / step)))
+    assert np.all(np.abs(coarse.mean - sensor.exact(LEVEL)) <= np.maximum(coarse.mean_error, 0.51 * step))
+    dead = readings * (1, 1, 0, 1, 1, 0)
+    dead[:, 1] = np.where(np.abs(dead[:, 1] + 2.0) < 0.15, 0.0, dead[:, 1] + 2.0)
+    error = averaged(list(dead)).mean_error
+    assert error[1] > 0.15 and error[2] == BIAS_BOUND[2] and error[0] < 0.1
+    assert not averaged([np.zeros(6)] * 100).mean_error.any(), "no noise at all is no dead zone"
+    window = AveragingWindow(1.0, NOISE_BOUND, step, BIAS_BOUND)
+    for _ in range(10):
+        window.add(np.zeros(6), LEVEL, DT)
+    assert window.average().mean_error == pytest.approx(step)
 
 
 def pushed(n: int) -> Array:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from services.wrench.wrench import LowPass
+from services.wrench.lowpass import LowPass
 from shared.spatial import rotation_from_vector
 from shared.topics import WRENCH_IDENTIFY, WRENCH_PARAMETERS, WRENCH_TARE
 from tests.services.wrench.rig import BAG, Rig, bounds_hold, identified
