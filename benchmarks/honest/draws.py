@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.honest import camera_kinds, camera_trial, sensor_kinds, sensor_trial
+from benchmarks.honest import camera_kinds, camera_trial, sensor_faults, sensor_kinds, sensor_trial
 from benchmarks.honest.verdict import Verdict
 
-KINDS = {**sensor_kinds.KINDS, **camera_kinds.KINDS}
+SENSORS = {**sensor_kinds.KINDS, **sensor_faults.KINDS}
+KINDS = {**SENSORS, **camera_kinds.KINDS}
 CAMERAS = 0.25
 """Share of the draws that are cameras: each takes as long as thirty sensors."""
 
@@ -37,7 +38,7 @@ class Draw:
 def plan(seed: int, draws: int) -> list[Draw]:
     """About so many draws, at least one of each kind, in a fixed mixed order."""
     planned = []
-    for kinds, share in ((sensor_kinds.KINDS, 1.0 - CAMERAS), (camera_kinds.KINDS, CAMERAS)):
+    for kinds, share in ((SENSORS, 1.0 - CAMERAS), (camera_kinds.KINDS, CAMERAS)):
         weights: float = sum(weight for weight, _ in kinds.values())
         for kind, (weight, _) in kinds.items():
             count = max(1, round(draws * share * weight / weights))
