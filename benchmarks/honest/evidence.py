@@ -6,11 +6,33 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.honest.sensor import DOWN, TOOL_OFFSET
+from benchmarks.honest.sensor import DOWN, TOOL_OFFSET, Sensor
 from services.wrench.compensation import gravity_in_sensor
 from shared.spatial import GRAVITY, Array, skew
 
 _MASSES = np.linspace(0.0, 1.0, 201)  # [1] of the largest declared one
+
+
+def possible(how: str, readings: list[tuple[Array, Array]], sensor: Sensor, declared: Any) -> bool:
+    """Whether some sensor and some tool, both as declared, give the readings of a calibration with nothing touching.
+
+    Args:
+        how: "tare" or "identify".
+        readings: each (6,) with the sensor in base (3, 3); one attitude is one pose.
+        sensor: for the noise of its averages.
+        declared: the wrench service's parameters.
+    """
+    poses: dict[bytes, list[Array]] = {}
+    rotations: dict[bytes, Array] = {}
+    for raw, rotation in readings:
+        poses.setdefault(rotation.tobytes(), []).append(raw)
+        rotations[rotation.tobytes()] = rotation
+    means = np.array([np.mean(part, axis=0) for part in poses.values()])
+    error = 5.0 * sensor.sigma / np.sqrt(min(map(len, poses.values()))) + 0.5 * sensor.step
+    if how == "identify":
+        slope = float(getattr(declared, "floor_tilt", 0.0))
+        return identification_possible(means, error, list(rotations.values()), declared, slope)
+    return tare_possible(means[0], error, next(iter(rotations.values())), declared)
 
 
 def tare_possible(mean: Array, error: Array, rotation: Array, declared: Any) -> bool:

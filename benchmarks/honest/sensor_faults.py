@@ -16,13 +16,15 @@ from shared.robot.tiago import SENSOR_RANGE
 from shared.spatial import rotation_from_vector
 
 QUIET = "a sensor that is declared to have no noise reads the same as a dead one, while the robot stands still"
+NEVER = "an axis that has not moved yet is dead, or at rest and without noise: only a known weight tells"
+SHOWS = np.array((1.5, 1.5, 1.5, 0.08, 0.08, 0.08))  # [N, Nm] of weight that cannot be missed
 RARE = "one reading alone reads as a blow, until the next one is there"
 LEANING = "the robot stands steeper than is declared, and does not say where down is: that reads as a touch"
 
 
 def frozen(random: Random) -> Case:
     """Some axes, or all, keep their last value from some moment on."""
-    sensor = sound(random)
+    sensor, how = sound(random), either(random)
     axes = range(6) if random.random() < 0.4 else random.choice(6, random.integers(1, 4), replace=False).tolist()
     quiet = random.random() < 0.3
     if quiet:
@@ -33,14 +35,28 @@ def frozen(random: Random) -> Case:
         trial.run(random.uniform(0.0, 1.0))
         if quiet:
             trial.excuse = QUIET
+            before = trial.weight
             trial.push(trial.some_push())
-            # Now the weight turns in the sensor's axes, and the readings do not.
             trial.rotation = trial.turned(1.0)
             trial.run(0.3)
-            trial.excuse = ""
+            # An identified weight that turns in the sensor's axes has to show; of a tared one nobody knows how much.
+            shows = np.abs(trial.weight - before)[list(axes)] > SHOWS[list(axes)]
+            trial.excuse = "" if how == "identify" and shows.any() else QUIET
+            trial.run(0.3)
         trial.use()
 
-    return Case(sensor, resolved(np.full(6, 1e-3)) if quiet else {}, either(random), sound=False, then=then, excuse="")
+    declared = resolved(sensor, np.full(6, 1e-3)) if quiet else {}
+    return Case(sensor, declared, how, sound=False, then=then, excuse="")
+
+
+def dead(random: Random) -> Case:
+    """Some axes, or all, have not moved since the start."""
+    sensor, how = sound(random), either(random)
+    axes = range(6) if random.random() < 0.3 else random.choice(6, random.integers(1, 4), replace=False).tolist()
+    sensor.frozen = tuple(axes)
+    if random.random() < 0.5:
+        sensor.bias[list(axes)] = 0.0
+    return Case(sensor, how=how, sound=False, excuse=NEVER if how == "tare" else None)
 
 
 def saturated(random: Random) -> Case:
@@ -54,12 +70,10 @@ def saturated(random: Random) -> Case:
         for _ in range(3):
             push = trial.some_push(30.0, 1.5)
             push[:3] *= random.uniform(5.0, 20.0)
-            if unknown:
-                trial.unseen()
             trial.push(push, 0.5)
 
     # One that ends early without a word is known by its frozen axis, as soon as that may be told.
-    return Case(sensor, how=either(random), sound=False, then=then, excuse="")
+    return Case(sensor, how=either(random), sound=False, then=then, excuse="", lulls=unknown)
 
 
 def spiking(random: Random) -> Case:
@@ -176,6 +190,7 @@ def on_a_ramp(random: Random) -> Case:
 
 KINDS: dict[str, tuple[float, Callable[[Random], Case]]] = {
     "axes that freeze": (5.0, frozen),
+    "axes dead from the start": (3.0, dead),
     "beyond the range": (4.0, saturated),
     "spikes": (4.0, spiking),
     "touched while calibrated": (7.0, touched),
