@@ -30,7 +30,7 @@ def possible(how: str, readings: list[tuple[Array, Array]], sensor: Sensor, decl
     means = np.array([np.mean(part, axis=0) for part in poses.values()])
     error = 5.0 * sensor.sigma / np.sqrt(min(map(len, poses.values()))) + 0.5 * sensor.step
     if how == "identify":
-        slope = float(getattr(declared, "floor_tilt", 0.0))
+        slope = declared.floor_tilt
         return identification_possible(means, error, list(rotations.values()), declared, slope)
     return tare_possible(means[0], error, next(iter(rotations.values())), declared)
 

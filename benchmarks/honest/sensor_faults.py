@@ -9,9 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.honest.sensor import DOWN
-from benchmarks.honest.sensor_kinds import BIAS_BOUND, NOISE_BOUND, Random, either, resolved, sound
+from benchmarks.honest.sensor_kinds import BIAS_BOUND, NOISE_BOUND, Random, either, precise, resolved, sound
 from benchmarks.honest.sensor_trial import Case, Trial
-from services.wrench.parameters import WrenchParameters
 from shared.robot.tiago import SENSOR_RANGE
 from shared.spatial import rotation_from_vector
 
@@ -93,7 +92,8 @@ def touched(random: Random) -> Case:
     if random.random() < 0.4:
         force = DOWN * np.linalg.norm(force)
     torque = touch[3:] / np.linalg.norm(touch[3:]) * random.choice((0.0, 0.5, 3.0, 8.0))
-    return Case(sound(random), how=either(random), sound=False, touch=np.concatenate((force, torque)))
+    sensor = sound(random)
+    return Case(sensor, precise(sensor, random), either(random), sound=False, touch=np.concatenate((force, torque)))
 
 
 def touched_again(random: Random) -> Case:
@@ -106,8 +106,8 @@ def touched_again(random: Random) -> Case:
         trial.calibrate("tare", trial.some_push(6.0, 0.0) + np.array((0.0, 0.0, -1.5, 0.0, 0.0, 0.0)))
         trial.use()
 
-    case = Case(sound(random), sound=True, then=then)
-    return case
+    sensor = sound(random)
+    return Case(sensor, precise(sensor, random), then=then)
 
 
 def turned(random: Random) -> Case:
@@ -131,7 +131,8 @@ def turned(random: Random) -> Case:
         axes = np.diag(random.permutation((-1.0, 1.0, 1.0)))
     sensor.matrix = signs @ np.kron(np.eye(2), axes)
     sensor.in_base = which == "base"
-    return Case(sensor, how="identify" if random.random() < 0.7 else "tare", sound=False)
+    how = "identify" if random.random() < 0.7 else "tare"
+    return Case(sensor, precise(sensor, random), how, sound=False)
 
 
 def gained(random: Random) -> Case:
@@ -151,14 +152,15 @@ def gained(random: Random) -> Case:
     sensor.matrix = np.diag(gains)
     if which == "crosstalk":
         sensor.matrix = np.eye(6) + np.diag((1.0, 1, 1, 0.1, 0.1, 0.1)) @ random.uniform(-0.1, 0.1, (6, 6))
-    return Case(sensor, how="identify" if random.random() < 0.7 else "tare", sound=False)
+    how = "identify" if random.random() < 0.7 else "tare"
+    return Case(sensor, precise(sensor, random), how, sound=False)
 
 
 def biased(random: Random) -> Case:
     """A bias beyond the declared one."""
     sensor = sound(random)
     sensor.bias = BIAS_BOUND * random.choice((-1.0, 1.0), 6) * random.uniform(1.2, 6.0)
-    return Case(sensor, how=either(random), sound=False)
+    return Case(sensor, precise(sensor, random), either(random), sound=False)
 
 
 def on_a_ramp(random: Random) -> Case:
@@ -166,7 +168,7 @@ def on_a_ramp(random: Random) -> Case:
     sensor = sound(random)
     declared_tilt, told = 0.0, random.random() < 0.4
     angle = math.radians(random.uniform(1.0, 8.0))
-    if not told and random.random() < 0.5 and "floor_tilt" in WrenchParameters.model_fields:
+    if not told and random.random() < 0.5:
         declared_tilt = angle * 1.05
     heading = random.uniform(-math.pi, math.pi)
     leaning = rotation_from_vector((math.cos(heading) * angle, math.sin(heading) * angle, 0.0)) @ DOWN
@@ -174,12 +176,13 @@ def on_a_ramp(random: Random) -> Case:
 
     def then(trial: Trial) -> None:
         trial.gravity = DOWN if before else leaning
-        trial.excuse = trial.excuse if trial.case.sound else trial.excuse or LEANING
+        # An identification on a ramp that nobody tells of contradicts itself; a tare, or a level one, does not.
+        trial.excuse = LEANING if not trial.case.sound and (trial.excuse or not before) else ""
         trial.use()
 
     return Case(
         sensor,
-        {"floor_tilt": declared_tilt} if declared_tilt else {},
+        {**precise(sensor, random), **({"floor_tilt": declared_tilt} if declared_tilt else {})},
         either(random),
         sound=told or declared_tilt > 0.0,
         slope=leaning if before else DOWN,

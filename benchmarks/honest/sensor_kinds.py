@@ -21,7 +21,7 @@ Random = np.random.Generator
 DEFAULTS = WrenchParameters()
 BIAS_BOUND = np.array(DEFAULTS.bias_bound)
 NOISE_BOUND = np.array(DEFAULTS.noise_bound)
-ZERO_DRIFT = np.array(getattr(DEFAULTS, "zero_drift", (0.1, 0.1, 0.1, 0.01, 0.01, 0.01)))  # [N, Nm] per minute
+ZERO_DRIFT = np.array(DEFAULTS.zero_drift)  # [N, Nm] per minute
 COARSE = "too few different readings have been seen to know that all of them stand on a grid"
 LATER = "the sensor drifts faster than is declared, and a drift reads as a touch that grows"
 
@@ -37,6 +37,20 @@ def sound(random: Random) -> Sensor:
         sigma=NOISE_BOUND / 5.0 * random.uniform(0.05, 1.0),
         drift=random.uniform(-0.9, 0.9, 6) * ZERO_DRIFT,
     )
+
+
+def precise(sensor: Sensor, random: Random) -> dict[str, Any]:
+    """Makes most sensors ten times less noisy, as declared: then nothing else hides in what is allowed for noise."""
+    if random.random() < 0.3:
+        return {}
+    sensor.sigma = 0.1 * sensor.sigma
+    return {"noise_bound": tuple((0.1 * NOISE_BOUND).tolist())}
+
+
+def _near(bias: Array, random: Random) -> Array:
+    """Another bias (6,) of the same sensor: within what is declared of both and of their difference."""
+    most = 0.9 * BIAS_BOUND
+    return random.uniform(np.maximum(-most, bias - most), np.minimum(most, bias + most))
 
 
 def either(random: Random) -> str:
@@ -59,9 +73,18 @@ def other_declaration(random: Random) -> Case:
 def drifting(random: Random) -> Case:
     """Within what is declared: for minutes, live, silent, or while the service is down."""
     sensor = sound(random)
-    sensor.drift = ZERO_DRIFT * random.choice((-0.95, 0.95), 6)
+    declared = precise(sensor, random)
+    most = ZERO_DRIFT
+    if random.random() < 0.5:
+        # As a strain gauge warms up.
+        most = ZERO_DRIFT * random.uniform(5.0, 40.0)
+        declared["zero_drift"] = tuple(most.tolist())
+    sensor.drift = 0.95 * most * random.choice((-1.0, 1.0), 6)
+    # It stays within the declared bias, on its way through zero.
+    sensor.bias = -np.sign(sensor.drift) * np.abs(sensor.bias)
     wait = random.choice((_wait, _silence, _outage))
-    return Case(sensor, how=either(random), then=lambda trial: wait(trial, random.uniform(0.5, 3.0)), rate=30.0)
+    minutes = random.uniform(0.5, 3.0)
+    return Case(sensor, declared, either(random), then=lambda trial: wait(trial, minutes), rate=30.0)
 
 
 def _wait(trial: Trial, minutes: float) -> None:
@@ -90,17 +113,18 @@ def _outage(trial: Trial, minutes: float) -> None:
 def drifting_away(random: Random) -> Case:
     """Faster than declared; a second tare shows it, after which no one may rely on the declaration."""
     sensor = sound(random)
-    sensor.drift = ZERO_DRIFT * random.uniform(4.0, 12.0) * random.choice((-1.0, 1.0), 6)
+    declared = precise(sensor, random)
+    sensor.drift = ZERO_DRIFT * random.uniform(10.0, 40.0) * random.choice((-1.0, 1.0), 6)
 
     def then(trial: Trial) -> None:
-        minutes = random.uniform(1.0, 2.0)
+        minutes = random.uniform(0.4, 1.2)
         trial.wait(minutes)
         if trial.calibrate("tare"):
             trial.excuse = ""
             trial.wait(minutes)
             trial.use()
 
-    return Case(sensor, sound=False, excuse=LATER, then=then, rate=30.0)
+    return Case(sensor, declared, sound=False, excuse=LATER, then=then, rate=30.0)
 
 
 def restarted(random: Random) -> Case:
@@ -109,7 +133,7 @@ def restarted(random: Random) -> Case:
     def then(trial: Trial) -> None:
         trial.published = False
         trial.run(random.uniform(1.5, 4.0))
-        trial.sensor.bias = random.uniform(-0.95, 0.95, 6) * BIAS_BOUND - trial.sensor.drift * trial.stack.now / 60.0
+        trial.sensor.bias = _near(trial.sensor.bias, random)
         if random.random() < 0.5:
             trial.kill_service()
             trial.start_service()
@@ -118,15 +142,15 @@ def restarted(random: Random) -> Case:
         trial.run(SETTLED)
         trial.use()
 
-    return Case(sound(random), how=either(random), then=then)
+    sensor = sound(random)
+    return Case(sensor, precise(sensor, random), either(random), then=then)
 
 
 def from_file(random: Random) -> Case:
     """A payload file of last week: mass and centre are right, the bias is another by now."""
     sensor = sound(random)
-    case = Case(sensor, how=random.choice(("nothing", "tare")))
-    case.declared = {"payload": _file(sensor, random)}
-    return case
+    declared = precise(sensor, random)
+    return Case(sensor, {**declared, "payload": _file(sensor, random)}, random.choice(("nothing", "tare")))
 
 
 def file_of_another_tool(random: Random) -> Case:
@@ -137,7 +161,7 @@ def file_of_another_tool(random: Random) -> Case:
 
 def _file(sensor: Sensor, random: Random) -> Callable[[Path], str]:
     """Writes the payload file that an identification of this sensor would have left."""
-    bias = random.uniform(-0.95, 0.95, 6) * BIAS_BOUND
+    bias = _near(sensor.bias, random)
     small = np.full(3, 1e-3)
 
     def write(folder: Path) -> str:

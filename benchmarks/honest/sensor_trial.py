@@ -42,11 +42,6 @@ HIDDEN = "an average that a declared bias and tool explain as well; that nothing
 UNCALIBRATED = "nothing was tared: no reading contradicts the declared bias, a touch explains every one"
 
 
-def kept(values: dict[str, Any]) -> dict[str, Any]:
-    """Those of the parameters that the wrench service has."""
-    return {name: value for name, value in values.items() if name in WrenchParameters.model_fields}
-
-
 @dataclass
 class Case:
     """A sensor, what is declared of it, and what happens to it.
@@ -108,7 +103,7 @@ class Trial:
         self._sent: FtSample | None = None
         self._averages: list[tuple[Array, Array]] | None = None
         declared = {name: value(folder) if callable(value) else value for name, value in case.declared.items()}
-        self.parameters = WrenchParameters.of(kept(declared))
+        self.parameters = WrenchParameters.of(declared)
         self.new_session()
         self.stack.client.watch(WRENCH_EXTERNAL, self._judge)
         self.start_service()
@@ -257,8 +252,7 @@ class Trial:
         return True
 
     def _tare(self, force: bool) -> list[tuple[Array, Array]]:
-        asked = {"duration": 0.5, **({"force": True} if force else {})}
-        self.robot_asks(WRENCH_TARE, asked)
+        self.robot_asks(WRENCH_TARE, {"duration": 0.5, "force": force})
         return list(self._averages or [])
 
     def _identify(self, force: bool) -> list[tuple[Array, Array]]:
@@ -271,7 +265,7 @@ class Trial:
             self._averages = []
             self.robot_asks(WRENCH_IDENTIFY, {"action": "add", "duration": 0.3})
             kept += self._averages
-        self.robot_asks(WRENCH_IDENTIFY, {"action": "solve", **({"force": True} if force else {})})
+        self.robot_asks(WRENCH_IDENTIFY, {"action": "solve", "force": force})
         return kept
 
     def robot_asks(self, query: Any, request: dict[str, Any]) -> None:
