@@ -34,14 +34,21 @@ class Fault:
     Attributes:
         kind: which row.
         key: the topic concerned, empty if none.
-        text: one sentence: what, where, the limit and the remedy.
+        what: one sentence: what, where, the limit.
         word: for ``INVALID``, the publisher's own word for it (such as "stuck"), empty if it gave none.
+        remedy: a second sentence: what to do about it, or where to look; empty if the first one says it.
     """
 
     kind: FaultKind
     key: str
-    text: str
+    what: str
     word: str = ""
+    remedy: str = ""
+
+    @property
+    def text(self) -> str:
+        """All of it, for the human."""
+        return f"{self.what}. {self.remedy}" if self.remedy else self.what
 
     @property
     def waiting(self) -> bool:
@@ -59,16 +66,14 @@ class Fault:
 
 def never_seen(key: str, publisher: str) -> Fault:
     """No valid message has arrived since the start."""
-    return Fault(FaultKind.NEVER_SEEN, key, f"waiting for {key}: never received. Is {publisher} running?")
+    what = f"waiting for {key}: never received"
+    return Fault(FaultKind.NEVER_SEEN, key, what, remedy=f"Is {publisher} running?")
 
 
 def silent(key: str, publisher: str, age: float, limit: float) -> Fault:
     """The last message is too old."""
-    return Fault(
-        FaultKind.SILENT,
-        key,
-        f"{key} is {age * 1e3:.0f} ms old, allowed are {limit * 1e3:.0f} ms: holding. Is {publisher} running?",
-    )
+    what = f"{key} is {age * 1e3:.0f} ms old, allowed are {limit * 1e3:.0f} ms"
+    return Fault(FaultKind.SILENT, key, what, remedy=f"Is {publisher} running?")
 
 
 def refused(key: str, count: int, reason: str) -> Fault:

@@ -269,7 +269,9 @@ class InputHealth(Record):
     age: float = of(Number("s"))
     hz: float = of(Number("Hz", minimum=0.0))
     rejected: int = of(Integer(minimum=0))
-    ok: bool = of(Boolean(doc="fresh and valid; also: optional and never received, or on change only"))
+    ok: bool = of(
+        Boolean(doc="fresh and valid; also: optional and nothing received, or on change only and not refused")
+    )
 
 
 class Health(Record):

@@ -85,6 +85,7 @@ class Inputs:
     _readings: dict[str, Reading] = field(default_factory=dict)
     _refusals: dict[str, str] = field(default_factory=dict)
     _wanted: frozenset[str] = frozenset()
+    _refused: dict[str, str] = field(default_factory=dict)
 
     def __getitem__(self, topic: Topic[M]) -> Reading[M]:
         return self._readings[topic.key]
@@ -100,6 +101,10 @@ class Inputs:
     def refusals(self, topic: Topic) -> str:
         """Refusals on the topic since the subscription, in words; empty if there are none."""
         return self._refusals.get(topic.key, "")
+
+    def refused(self, topic: Topic) -> str:
+        """Why nothing of what arrives on the topic at present is used; empty if it is, or nothing arrives."""
+        return self._refused.get(topic.key, "")
 
 
 class Service(ABC, Generic[P]):

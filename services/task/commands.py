@@ -156,5 +156,5 @@ class Commands(ABC):
 
 def _gripper(seen: Observation) -> GripperState:
     if seen.gripper is None:
-        raise Refused("state/gripper is not known: is the robot process running?")
+        raise Refused(seen.unsure.sentence)
     return seen.gripper

@@ -38,6 +38,7 @@ _SENTENCES = {
     Impairment.NUMB: {
         "wrench_never": "waiting for wrench/external: never received. Is wrench running?",
         "wrench_silent": "wrench/external is {}. Is wrench running?",
+        "wrench_refused": "{}",
         "wrench_invalid": "wrench/external is marked invalid ({}): look at the sensor",
     },
     Impairment.UNTARED: {
@@ -49,13 +50,20 @@ _SENTENCES = {
     Impairment.PARALYSED: {
         "controller_never": "waiting for control/status: never received. Is controller running?",
         "controller_silent": "control/status is {}. Is controller running?",
+        "controller_refused": "{}",
         "controller_braking": "the controller brakes ({})",
     },
-    Impairment.UNSURE: {"gripper_silent": "state/gripper is silent or marked invalid. Is the robot process running?"},
+    Impairment.UNSURE: {
+        "gripper_never": "state/gripper was never received. Is the robot process running?",
+        "gripper_silent": "state/gripper is {}. Is the robot process running?",
+        "gripper_refused": "{}",
+        "gripper_invalid": "state/gripper is marked invalid by its publisher",
+    },
     Impairment.LOOSE: {"slipped": "the gripper says that it does not hold the panel any more: `reset` begins anew"},
     Impairment.BLIND: {
         "camera_never": "waiting for sensor/camera: never received. Is the camera on?",
         "camera_silent": "no image for {}. Is the camera on?",
+        "camera_refused": "{}",
         "camera_broken": "the camera's image is of no use: {}",
         "marker_missing": "no marker in sight: is it covered, or out of the picture?",
         "marker_other": "only other markers in sight: {}",

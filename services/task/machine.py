@@ -241,7 +241,7 @@ class StateMachine(Commands):
             return faults
         grip = [TaskFault("slipped")] if self._watch.slipped(seen.gripper if seen else None, dt) else []
         if seen is not None and seen.gripper is None:
-            grip.append(TaskFault("gripper_silent"))
+            grip.append(seen.unsure)
         return (*faults, *grip)
 
     @property

@@ -7,12 +7,13 @@ import numpy as np
 from services.task.faults import Impairment, TaskFault
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
-from services.task.states import Observation
+from services.task.states import UNSURE, Observation
 from services.task.vision.marker_tracker import MarkerTracker
 from shared import topics
 from shared.clock import seconds
 from shared.messages import Header
 from shared.service import Inputs, Reading
+from shared.topics import Topic
 from shared.wire.subscription import PERIODS_TO_SILENCE, SLOWEST_PERIOD
 
 GUARDED_MAX_AGE = 0.08
@@ -34,21 +35,22 @@ class Observer:
     def look(self, inputs: Inputs, tracker: MarkerTracker) -> tuple[Observation, list[TaskFault]]:
         """What is known now, and what is wrong."""
         tool = inputs[topics.STATE_EE]
+        doubt = _doubt(inputs, tracker)
         faults = [
             fault
             for fault in (
                 self._stopped(inputs),
                 self._restarted(tool.header.session),
-                *self._wrench(inputs.get(topics.WRENCH_EXTERNAL)),
+                *self._wrench(inputs),
                 _controller(inputs),
-                tracker.doubt,
+                doubt,
             )
             if fault is not None
         ]
         wrench, gripper = inputs.get(topics.WRENCH_EXTERNAL), inputs.get(topics.STATE_GRIPPER)
         robot = inputs.get(topics.STATE_ROBOT)
         numb = any(fault.kind is Impairment.NUMB for fault in faults)
-        fresh = gripper is not None and gripper.header.valid and gripper.age <= topics.STATE_GRIPPER.max_age
+        unsure = _unsure(inputs)
         message = tool.message
         seen = Observation(
             tool=Pose.of(message.position, message.orientation),
@@ -56,9 +58,10 @@ class Observer:
             turning=float(np.linalg.norm(message.angular)),
             session=tool.header.session,
             wrench=None if numb or wrench is None else np.concatenate((wrench.message.force, wrench.message.torque)),
-            gripper=gripper.message if fresh and gripper is not None else None,
+            gripper=None if unsure or gripper is None else gripper.message,
+            unsure=unsure or UNSURE,
             marker=tracker.pose,
-            doubt=tracker.doubt,
+            doubt=doubt,
             guarded=self._guarded(inputs.get(topics.CONTROL_STATUS)),
             robot="" if robot is None or robot.age > topics.STATE_ROBOT.max_age else robot.message.reason,
         )
@@ -82,11 +85,10 @@ class Observer:
         before, self._session = self._session, session
         return TaskFault("robot_restarted") if before not in (None, session) else None
 
-    def _wrench(self, reading: Reading | None) -> list[TaskFault]:
-        if reading is None:
-            return [TaskFault("wrench_never")]
-        if reading.age > WRENCH_MAX_AGE:
-            return [TaskFault("wrench_silent", _age(reading, WRENCH_MAX_AGE))]
+    def _wrench(self, inputs: Inputs) -> list[TaskFault]:
+        reading = inputs.get(topics.WRENCH_EXTERNAL)
+        if reading is None or reading.age > WRENCH_MAX_AGE:
+            return [_missing("wrench", inputs, topics.WRENCH_EXTERNAL, WRENCH_MAX_AGE)]
         if not reading.header.valid or reading.message.fault:
             return [TaskFault("wrench_invalid", reading.message.fault)]
         if reading.message.compensation == "none":
@@ -108,14 +110,33 @@ class Observer:
 
 def _controller(inputs: Inputs) -> TaskFault | None:
     reading = inputs.get(topics.CONTROL_STATUS)
-    if reading is None:
-        return TaskFault("controller_never")
-    if reading.age > topics.CONTROL_STATUS.max_age:
-        return TaskFault("controller_silent", _age(reading, topics.CONTROL_STATUS.max_age))
+    if reading is None or reading.age > topics.CONTROL_STATUS.max_age:
+        return _missing("controller", inputs, topics.CONTROL_STATUS, topics.CONTROL_STATUS.max_age)
     if reading.message.state == "braking":
         return TaskFault("controller_braking", reading.message.reason)
     return None
 
 
-def _age(reading: Reading, limit: float) -> str:
-    return f"{reading.age:.1f} s old, allowed are {limit:g} s"
+def _doubt(inputs: Inputs, tracker: MarkerTracker) -> TaskFault | None:
+    """Why there is no marker pose to trust: where no image is looked at, that may be since none fits."""
+    doubt, refused = tracker.doubt, inputs.refused(topics.SENSOR_CAMERA)
+    unseen = doubt is not None and doubt.name in ("camera_never", "camera_silent")
+    return TaskFault("camera_refused", refused) if unseen and refused else doubt
+
+
+def _unsure(inputs: Inputs) -> TaskFault | None:
+    """Why it is not known what the gripper holds, if so."""
+    reading, limit = inputs.get(topics.STATE_GRIPPER), topics.STATE_GRIPPER.max_age
+    if reading is None or reading.age > limit:
+        return _missing("gripper", inputs, topics.STATE_GRIPPER, limit)
+    return None if reading.header.valid else TaskFault("gripper_invalid")
+
+
+def _missing(what: str, inputs: Inputs, topic: Topic, limit: float) -> TaskFault:
+    """That a topic is not there to be used: what comes is refused, nothing ever came, or it is too old."""
+    if refused := inputs.refused(topic):
+        return TaskFault(f"{what}_refused", refused)
+    reading = inputs.get(topic)
+    if reading is None:
+        return TaskFault(f"{what}_never")
+    return TaskFault(f"{what}_silent", f"{reading.age:.1f} s old, allowed are {limit:g} s")

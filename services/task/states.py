@@ -28,6 +28,9 @@ class State(Enum):
     HOLDING = "holding"
 
 
+UNSURE = TaskFault("gripper_never")
+
+
 @dataclass(frozen=True, eq=False)
 class Observation:
     """What is known at the instant of a step; None is what is not known or not to be trusted.
@@ -39,6 +42,7 @@ class Observation:
         session: of the robot process.
         wrench: external force and torque (6,) [N, Nm] on the tool in base axes.
         gripper: its state.
+        unsure: why that is not known, where it is not.
         marker: the marker in base, from a fresh image.
         doubt: why there is no marker pose.
         guarded: whether a controller keeps the limits at this instant; the base must not follow while none does.
@@ -51,6 +55,7 @@ class Observation:
     session: int
     wrench: Array | None = None
     gripper: GripperState | None = None
+    unsure: TaskFault = UNSURE
     marker: Pose | None = None
     doubt: TaskFault | None = None
     guarded: bool = False

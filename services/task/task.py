@@ -130,7 +130,7 @@ class Task(Service[TaskParameters]):
     def _resume(self, seen: Observation, dt: float) -> bool:
         """Begin, once it is known whether the gripper holds something; false before."""
         if seen.gripper is None:
-            self.machine.reason = "waiting for state/gripper. Is the robot process running?"
+            self.machine.reason = f"waiting: {seen.unsure.sentence}"
             return False
         entry = self._journal.read(seen.session)
         lost = entry is not None and entry.session == seen.session and not seen.gripper.holding

@@ -24,13 +24,18 @@ def health(
         timing: of its loop.
         subscriptions: its inputs, by key.
     """
-    notes = service.notes()
+    own = service.notes() if fault is None else fault.text
+    unused = {key: refused.text for key, one in subscriptions.items() if (refused := one.refused(now_ns))}
+    seconds = {key: text for key, one in subscriptions.items() if (text := one.second(now_ns))}
+    detail = "; ".join(
+        filter(None, (own, *(text for key, text in (*unused.items(), *seconds.items()) if key not in own)))
+    )
     if fault is None:
-        state, detail = ("degraded", notes) if notes else ("ok", "")
+        state = "degraded" if detail else "ok"
     elif fault.waiting:
-        state, detail = "starting", fault.text
+        state = "starting"
     else:
-        state, detail = ("fault" if fault.kind is FaultKind.INTERNAL else "degraded"), fault.text
+        state = "fault" if fault.kind is FaultKind.INTERNAL else "degraded"
     required = {topic.key for topic in service.wiring.required}
     inputs = {}
     for key, subscription in subscriptions.items():
@@ -40,6 +45,6 @@ def health(
             age=subscription.age(now_ns),
             hz=subscription.rate(now_ns),
             rejected=subscription.rejected + subscription.out_of_order + subscription.second_session,
-            ok=not judged or subscription.fault(now_ns, service.max_delay) is None,
+            ok=key not in unused and (not judged or subscription.fault(now_ns, service.max_delay) is None),
         )
     return Health(state, detail, *timing.summary(now_ns), timing.overruns, inputs)

@@ -9,6 +9,7 @@ from shared import faults
 from shared.clock import Clock, nanoseconds, seconds
 from shared.faults import Fault
 from shared.loop.arming import REARM_AFTER, Arming
+from shared.loop.causes import explained
 from shared.loop.health import health
 from shared.loop.queries import QueryDesk
 from shared.loop.timing import LoopTiming
@@ -77,7 +78,7 @@ class Runner:
         self._health_due = 0
         self._desk = QueryDesk(self.service, wake)
         for topic in dict.fromkeys((*wiring.required, *wiring.optional)):
-            subscription = self.subscriptions[topic.key] = Subscription(topic, clock)
+            subscription = self.subscriptions[topic.key] = self._subscription(topic)
             driven = (work or (lambda _: wake())) if topic == self._driver else None
             bus.subscribe(topic.key, subscription.offer, driven)
         self._leave: dict[str, Leave] = {}
@@ -85,6 +86,9 @@ class Runner:
         for query in (*wiring.queries, *((wiring.parameters,) if wiring.parameters else ())):
             bus.serve(query.key, self._desk.inbox(query))
         bus.alive(wiring.name, publisher.session)
+
+    def _subscription(self, topic: Topic) -> Subscription:
+        return Subscription(topic, self._clock, named=lambda session: self._bus.present().get(session, ""))
 
     def next_deadline(self) -> int:
         """When ``poll`` is due at the latest [ns], if nothing wakes it before."""
@@ -122,7 +126,7 @@ class Runner:
             if of_use() == (key in self._leave):
                 continue
             if key not in self._leave:
-                subscription = self.subscriptions[key] = Subscription(topic, self._clock)
+                subscription = self.subscriptions[key] = self._subscription(topic)
                 self._leave[key] = self._bus.listen(key, subscription.offer)
             else:
                 self._leave.pop(key)()
@@ -171,7 +175,7 @@ class Runner:
         for subscription in self._required:
             fault = subscription.fault(now, self.service.max_delay)
             if fault is not None and (worst is None or fault.severity < worst.severity):
-                worst = fault
+                worst = explained(fault, subscription.topic, self._bus)
             if (latest := subscription.latest) is not None:
                 key, session = subscription.topic.key, latest.header.session
                 if self._sessions.setdefault(key, session) != session:
@@ -219,10 +223,12 @@ class Runner:
 
     def _inputs(self, now: int) -> Inputs:
         readings = {}
-        refusals = {}
+        refusals, refused = {}, {}
         for key, subscription in self.subscriptions.items():
             if text := subscription.refusals:
                 refusals[key] = text
+                if (fault := subscription.refused(now)) is not None:
+                    refused[key] = fault.text
             latest = subscription.latest
             if latest is None:
                 continue
@@ -232,7 +238,7 @@ class Runner:
             readings[key] = Reading(latest.message, latest.header, age, new)
         on_demand = self.service.wiring.on_demand
         wanted = frozenset(topic.key for topic in on_demand if self._bus.wanted(topic.key))
-        return Inputs(readings, refusals, wanted)
+        return Inputs(readings, refusals, wanted, refused)
 
     def _tell(self, fault: Fault | None) -> None:
         kind = "" if fault is None else f"{fault.kind.value} {fault.key}"

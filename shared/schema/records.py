@@ -215,6 +215,12 @@ class RecordOf(Kind):
         return self.record.from_plain(value, f"{name}.")
 
 
+def _text_map(value: Any, name: str) -> dict[str, Any]:
+    if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
+        raise InvalidField(f"{name} is {shown(value)}, wanted a map of names and values")
+    return value
+
+
 @dataclass(frozen=True)
 class MapOf(Kind):
     """A map from text to records of one type."""
@@ -223,10 +229,8 @@ class MapOf(Kind):
 
     def check(self, value: Any, name: str) -> dict[str, Any]:
         assert self.record is not None
-        if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
-            raise InvalidField(f"{name} is {shown(value)}, wanted a map with text keys")
         one = RecordOf(record=self.record)
-        return {key: one.check(item, f"{name}[{shown(key)}]") for key, item in value.items()}
+        return {key: one.check(item, f"{name}[{shown(key)}]") for key, item in _text_map(value, name).items()}
 
 
 @dataclass(frozen=True)
@@ -234,9 +238,7 @@ class AnyMap(Kind):
     """A map from text to anything."""
 
     def check(self, value: Any, name: str) -> dict[str, Any]:
-        if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
-            raise InvalidField(f"{name} is {shown(value)}, wanted a map of names and values")
-        return dict(value)
+        return dict(_text_map(value, name))
 
 
 @dataclass(frozen=True)

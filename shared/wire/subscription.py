@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -55,19 +56,30 @@ class Subscription(Generic[M]):
         topic: row of the table.
         clock: the receiver's steady clock.
         on_message: called with each accepted message, from the thread that offered it.
+        named: name of the participant of a session, empty if not known.
     """
 
-    def __init__(self, topic: Topic[M], clock: Clock, on_message: Callable[[Received[M]], None] | None = None) -> None:
+    def __init__(
+        self,
+        topic: Topic[M],
+        clock: Clock,
+        on_message: Callable[[Received[M]], None] | None = None,
+        named: Callable[[int], str] = lambda session: "",
+    ) -> None:
         self.topic = topic
         self._clock = clock
         self._on_message = on_message
+        self._named = named
         self._lock = threading.Lock()
         self._latest: Received[M] | None = None
         self._behind: Header | None = None
         self._fastest_transit = 0
         self._period = 0.0
         self._arrivals: deque[tuple[int, int]] = deque()
-        self._rejected_since_accepted = 0
+        self._unused = 0
+        self._unused_ns = 0
+        self._reason = ""
+        self._second: tuple[int, int] | None = None
         self.accepted = 0
         self.rejected = 0
         self.last_rejection = ""
@@ -97,23 +109,32 @@ class Subscription(Generic[M]):
         except Rejected as problem:
             with self._lock:
                 self.rejected += 1
-                self._rejected_since_accepted += 1
                 self.last_rejection = str(problem)
+                self._leave_unused(self.last_rejection, arrival)
             return
         with self._lock:
             received = self._accept(header, message, arrival)
         if received is not None and self._on_message is not None:
             self._on_message(received)
 
+    def _leave_unused(self, reason: str, arrival: int) -> None:
+        self._unused += 1
+        self._unused_ns, self._reason = arrival, reason
+
     def _accept(self, header: Header, message: M, arrival: int) -> Received[M] | None:
         previous = self._latest
         if previous is not None and header.session != previous.header.session:
             if self._held(previous, arrival):
                 self.second_session += 1
+                self._second = header.session, arrival
                 return None
             previous = None
         if previous is not None and (header.seq <= previous.header.seq or header.stamp < previous.header.stamp):
             self.out_of_order += 1
+            order = f"number {header.seq} came after {previous.header.seq}"
+            if header.seq > previous.header.seq:
+                order += f" and is stamped {seconds(previous.header.stamp - header.stamp):.3f} s before it"
+            self._leave_unused(f"{order}: sent twice, or held up on the way", arrival)
             if not self._counts_anew(header, previous, arrival):
                 return None
             previous = None
@@ -130,7 +151,7 @@ class Subscription(Generic[M]):
         self._arrivals.append((arrival, header.seq))
         self._trim(arrival)
         self.accepted += 1
-        self._rejected_since_accepted = 0
+        self._unused = 0
         delay = seconds(transit - self._fastest_transit)
         self._latest = Received(self.accepted, header, message, arrival, delay)
         return self._latest
@@ -197,9 +218,32 @@ class Subscription(Generic[M]):
         cases = (
             (self.rejected, f"rejected ({self.last_rejection})"),
             (self.out_of_order, "out of sequence"),
-            (self.second_session, "from a second session refused"),
+            (self.second_session, f"from a second session refused ({self._who(self._second)})"),
         )
         return ", ".join(f"{count} {text}" for count, text in cases if count)
+
+    def _who(self, second: tuple[int, int] | None) -> str:
+        session = second[0] if second else 0
+        return self._named(session) or f"session {session}"
+
+    def second(self, now_ns: int) -> str:
+        """Who else publishes the topic at present and is refused, since another one was first; empty if nobody does."""
+        second, last = self._second, self._latest
+        if second is None or last is None or now_ns - second[1] > nanoseconds(HANDOVER_LIMIT):
+            return ""
+        first = self._who((last.header.session, 0))
+        return f"{self.topic.key}: {self._who(second)} publishes it too and is refused, since {first} was first"
+
+    def refused(self, now_ns: int) -> Fault | None:
+        """That nothing of what arrives at present is used, and why."""
+        if not self._unused:
+            return None
+        last, limit = self._latest, self.age_limit
+        if last is not None and limit < math.inf:
+            used = now_ns - last.arrival_ns <= nanoseconds(limit)
+            if used or now_ns - self._unused_ns > nanoseconds(max(HANDOVER_LIMIT, limit)):
+                return None
+        return faults.refused(self.topic.key, self._unused, self._reason)
 
     def fault(self, now_ns: int, max_delay: float) -> Fault | None:
         """Why the newest message must not be used, or None.
@@ -211,14 +255,10 @@ class Subscription(Generic[M]):
         last = self._latest
         key = self.topic.key
         if last is None:
-            if self.rejected:
-                return faults.refused(key, self.rejected, self.last_rejection)
-            return faults.never_seen(key, self.topic.publisher)
+            return self.refused(now_ns) or faults.never_seen(key, self.topic.publisher)
         age, limit = seconds(now_ns - last.arrival_ns), self.age_limit
         if age > limit:
-            if self._rejected_since_accepted:
-                return faults.refused(key, self._rejected_since_accepted, self.last_rejection)
-            return faults.silent(key, self.topic.publisher, age, limit)
+            return self.refused(now_ns) or faults.silent(key, self.topic.publisher, age, limit)
         if last.delay > max_delay:
             return faults.delayed(key, last.delay, max_delay)
         if (share := self.loss()) > LOSS_LIMIT:

@@ -95,7 +95,7 @@ def test_a_silent_gripper_stops_the_base_and_is_waited_for() -> None:
 STEEP = START @ Pose.from_rpy((0.0, 0.0, 0.0), (0.0, 0.0, math.radians(40)))
 NOT_ON = {
     "empty": ({"gripper": EMPTY}, "the gripper holds nothing"),
-    "not known": ({"gripper": None}, "state/gripper is silent"),
+    "not known": ({"gripper": None}, "state/gripper was never received"),
     "steep": ({"tool": STEEP}, r"the tool points (up|down) by 40 degrees, allowed are 30"),
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from services.task.faults import TaskFault
 from services.task.observer import GUARDED_MAX_AGE, WRENCH_MAX_AGE, Observer
 from services.task.parameters import TaskParameters
 from services.task.states import Observation
@@ -33,12 +34,15 @@ def reading(message: Record, age: float = 0.01, valid: bool = True) -> Reading:
     return Reading(message, Header(5, 1, 0, valid), age, True)
 
 
-def look(changed: dict[topics.Topic, Reading], observer: Observer | None = None) -> tuple[Observation, set[str]]:
-    """What is seen, and the names of the faults; the marker's are left out."""
-    readings = {topic.key: reading(message) for topic, message in HEALTHY.items()}
+def look(
+    changed: dict[topics.Topic, Reading], observer: Observer | None = None, refused: topics.Topic | None = None
+) -> tuple[Observation, set[str]]:
+    """What is seen, and the names of the faults; the marker's are left out. All that comes on one topic is refused."""
+    readings = {topic.key: reading(message) for topic, message in HEALTHY.items() if topic != refused}
     readings |= {topic.key: changed[topic] for topic in changed}
     tracker = MarkerTracker(SETTINGS)
-    seen, faults = (observer or Observer(SETTINGS)).look(Inputs(readings), tracker)
+    inputs = Inputs(readings, _refused={refused.key: "7 messages rejected"} if refused else {})
+    seen, faults = (observer or Observer(SETTINGS)).look(inputs, tracker)
     return seen, {fault.name for fault in faults} - {"camera_never"}
 
 
@@ -67,6 +71,24 @@ def test_what_is_doubtful_is_not_known(
         assert faults == {"wrench_silent" if old else "wrench_invalid"}
         with pytest.raises(ValueError, match="not known"):
             _ = seen.force
+
+
+@pytest.mark.parametrize(
+    ("topic", "name"),
+    [
+        (topics.WRENCH_EXTERNAL, "wrench_refused"),
+        (topics.CONTROL_STATUS, "controller_refused"),
+        (topics.SENSOR_CAMERA, "camera_refused"),
+        (topics.STATE_GRIPPER, "gripper_refused"),
+    ],
+    ids=str,
+)
+def test_what_comes_but_is_refused_is_said_to_be(topic: topics.Topic, name: str) -> None:
+    seen, faults = look({}, refused=topic)
+    assert name in faults | {seen.unsure.name}
+    assert TaskFault(name, "7 messages rejected").sentence == "7 messages rejected"
+    if name == "camera_refused":
+        assert seen.doubt is not None and seen.doubt.name == name
 
 
 @pytest.mark.parametrize("valid", [True, False])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from shared.faults import FaultKind
 from shared.messages import LONGEST_TTL, Header, Stop, TwistCommand
-from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, MAP_CAP, STOP, WRENCH_EXTERNAL
+from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, MAP_CAP, SENSOR_FT, STOP, WRENCH_EXTERNAL
 from shared.wire.subscription import HANDOVER_LIMIT, Subscription
 from tests.shared.rig import DECLARED_DELAY, ZERO, Feed, ManualClock, Publisher, ft_sample, target, wrench
 
@@ -156,7 +156,29 @@ def test_a_message_repeated_for_ever_never_counts_as_new(feed: Feed) -> None:
         feed.clock.advance(0.01)
         feed.subscription.offer(payload)
     assert feed.subscription.accepted == 5
+    fault = feed.subscription.fault(feed.clock.now, DECLARED_DELAY)
+    assert fault is not None and fault.kind is FaultKind.REFUSED
+    assert "300 messages rejected, the last one: number 3 came after 4" in fault.text
+
+
+def test_what_was_refused_long_ago_is_no_reason_for_silence(feed: Feed) -> None:
+    feed.run(5)
+    feed.subscription.offer(b"?")
+    feed.clock.advance(0.5)
+    assert feed.fault() is FaultKind.REFUSED
+    feed.clock.advance(0.6)
     assert feed.fault() is FaultKind.SILENT
+
+
+def test_who_publishes_beside_the_first_one_is_named_while_it_does(feed: Feed) -> None:
+    feed.subscription = Subscription(SENSOR_FT, feed.clock, named={1: "sim"}.get)  # type: ignore[arg-type]
+    feed.run(5)
+    assert not feed.subscription.second(feed.clock.now)
+    feed.offer(Publisher(feed.clock, session=2))
+    said = feed.subscription.second(feed.clock.now)
+    assert said == "sensor/ft: session 2 publishes it too and is refused, since sim was first"
+    feed.run(101)
+    assert not feed.subscription.second(feed.clock.now)
 
 
 def test_threads_may_offer_at_once(feed: Feed) -> None:
