@@ -120,6 +120,16 @@ def same_kind(name: str) -> tuple[str, ...]:
     return ROBOTS if name in ROBOTS else (name,)
 
 
+def publisher_named(name: str) -> str:
+    """What a process is called in `shared/topics.py`, given its own name."""
+    return ROBOT if name in ROBOTS else name
+
+
+def speakers(publisher: str) -> tuple[str, ...]:
+    """Names of the processes that speak as a publisher of `shared/topics.py`."""
+    return ROBOTS if publisher == ROBOT else (publisher,)
+
+
 def process_named(name: str) -> Process:
     """The row of a name; KeyError if there is none."""
     return {process.name: process for process in PROCESSES}[name]

@@ -50,6 +50,7 @@ class Wiring:
         occasional: optional topics that cost their publisher something: subscribed to only while the function beside
             each, asked after every step, says that they are of use, and each time as if for the first time.
         on_demand: topics that are worth publishing only while somebody subscribes; ``Inputs.wanted`` tells.
+        shares: topics that it publishes and others may too, one at a time; ``Inputs.taken`` tells whose turn it is.
         queries: queryables that the service answers itself.
         parameters: queryable of its parameters, if it has one.
         startup: time [s] that all required inputs have to be healthy before the first step.
@@ -62,6 +63,7 @@ class Wiring:
     optional: tuple[Topic, ...] = ()
     occasional: Mapping[Topic, Callable[[], bool]] = field(default_factory=dict)
     on_demand: tuple[Topic, ...] = ()
+    shares: tuple[Topic, ...] = ()
     queries: tuple[Query, ...] = ()
     parameters: Query | None = None
     startup: float = 0.5
@@ -86,6 +88,7 @@ class Inputs:
     _refusals: dict[str, str] = field(default_factory=dict)
     _wanted: frozenset[str] = frozenset()
     _refused: dict[str, str] = field(default_factory=dict)
+    _taken: dict[str, str] = field(default_factory=dict)
 
     def __getitem__(self, topic: Topic[M]) -> Reading[M]:
         return self._readings[topic.key]
@@ -105,6 +108,10 @@ class Inputs:
     def refused(self, topic: Topic) -> str:
         """Why nothing of what arrives on the topic at present is used; empty if it is, or nothing arrives."""
         return self._refused.get(topic.key, "")
+
+    def taken(self, topic: Topic) -> str:
+        """Name of who publishes one of the wiring's ``shares`` too and was first, while the service publishes it."""
+        return self._taken.get(topic.key, "")
 
 
 class Service(ABC, Generic[P]):

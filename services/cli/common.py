@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import threading
 import time
@@ -13,11 +14,14 @@ import typer
 from rich.table import Table
 
 from shared.parameters import Refused
+from shared.processes import speakers
 from shared.topics import Query
 from shared.wire.bus import Bus, NoReply
 from shared.wire.client import Client
 from shared.wire.endpoint import DEFAULT_ENDPOINT as DEFAULT_ENDPOINT
 from shared.wire.endpoint import BusError
+from shared.wire.subscription import Subscription
+from shared.wire.turn import Turn
 from shared.wire.zenoh import ZenohBus
 
 Robot = Annotated[
@@ -31,6 +35,8 @@ Router = Annotated[
 ]
 DEFAULT_ROBOT = "tiago"
 CONNECT_WITHIN = 2.0  # [s]
+TAKE_OVER = {"task": "To take over: tandem task abort; tandem task reset"}
+"""How to end what publishes a target, where Ctrl-C in its own terminal does not."""
 USAGE = 2
 """Exit status of a command that was given something it cannot take."""
 
@@ -66,9 +72,25 @@ def ask(bus: Bus, query: Query, request: dict[str, Any], timeout: float = 3.0) -
     try:
         return Client(bus).ask(query, request, timeout)
     except NoReply:
-        refuse(f"no answer on {query.key} within {timeout:g} s: is {query.server} running? See: tandem status", 1)
+        there = not bus.living().isdisjoint(speakers(query.server))
+        why = f"{query.server} lives, but does not answer" if there else f"{query.server} is not running"
+        refuse(f"no answer on {query.key} within {timeout:g} s: {why}. See: tandem status", 1)
     except Refused as problem:
         refuse(f"{query.server} refused: {problem}", 1)
+
+
+def go_first(turn: Turn) -> None:
+    """Refuses if somebody else publishes what this command is about to: its messages would be refused all the time."""
+    who = turn.taken()
+    if who:
+        remedy = TAKE_OVER.get(who, "end it where it runs (Ctrl-C)")
+        refuse(f"{who} publishes {turn.topic.key} and was first: nothing of this command is followed. {remedy}", 1)
+
+
+def unheard(subscription: Subscription) -> str:
+    """Why there is no message of a topic: nothing came, or nothing that came could be used."""
+    fault = subscription.fault(subscription.now_ns(), math.inf)
+    return f"{fault}. See: tandem status" if fault else ""
 
 
 def table(*columns: str, vertical: Literal["top", "bottom"] = "top", **options: Any) -> Table:

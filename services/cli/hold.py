@@ -7,7 +7,18 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse, stop_event, three
+from services.cli.common import (
+    DEFAULT_ENDPOINT,
+    DEFAULT_ROBOT,
+    Connect,
+    Robot,
+    go_first,
+    open_bus,
+    refuse,
+    stop_event,
+    three,
+    unheard,
+)
 from services.cli.health.diagnose import control_line
 from shared import topics
 from shared.messages import ControlTarget
@@ -28,17 +39,24 @@ def hold(
     """Have the robot hold a pose within limits, until Ctrl-C (the last target then stays in force). Tare first."""
     target = make_target(pose, three("--force-limit", force_limit), three("--torque-limit", torque_limit))
     with open_bus(robot, connect) as bus:
-        client = Client(bus)
-        status = client.watch(topics.CONTROL_STATUS)
-        typer.echo(f"holding {pose} with {force_limit} N, {torque_limit} Nm (Ctrl-C ends this command)")
-        end, shown = stop_event(), ""
+        client = Client(bus, name="hold")
+        status, turn = client.watch(topics.CONTROL_STATUS), client.publisher.share(topics.CONTROL_TARGET)
+        end, shown, asked = stop_event(), "", False
         while not end.wait(REPEAT):
+            go_first(turn)
+            if not turn.listened:
+                continue
+            if not asked:
+                asked = True
+                typer.echo(f"asking for {pose} with {force_limit} N, {torque_limit} Nm (Ctrl-C ends this command)")
             client.publish(topics.CONTROL_TARGET, target)
-            line = control_line(status.latest.message if status.latest else None)[0]
+            line = unheard(status) or control_line(status.latest.message if status.latest else None)[0]
             if line.split(":")[0] != shown:
                 shown = line.split(":")[0]
                 typer.echo(f"controller: {line}")
-    typer.echo("the last target stays in force")
+        missing = unheard(status)
+        followed = status.latest is not None and status.latest.message.state in ("tracking", "yielding") and not missing
+    typer.echo("the last target stays in force" if asked and followed else f"nothing is held: {missing or line}")
 
 
 def make_target(pose: list[float], force: list[float], torque: list[float]) -> ControlTarget:

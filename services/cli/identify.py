@@ -9,7 +9,18 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse, three
+from services.cli.common import (
+    DEFAULT_ENDPOINT,
+    DEFAULT_ROBOT,
+    Connect,
+    Robot,
+    ask,
+    go_first,
+    open_bus,
+    refuse,
+    three,
+    unheard,
+)
 from services.cli.hold import REPEAT, make_target
 from shared import topics
 from shared.messages import ControlTarget, EndEffector, RobotStatus
@@ -18,6 +29,7 @@ from shared.spatial import pose_error, rotation_matrix, rpy_from_rotation
 from shared.wire.bus import NoReply
 from shared.wire.client import Client
 from shared.wire.subscription import Subscription
+from shared.wire.turn import Turn
 from shared.wire.zenoh import ZenohBus
 
 TILTS = ((0, 0), (1, 0), (0.7, 0.7), (0, 1), (-0.7, 0.7), (-1, 0), (-0.7, -0.7), (0, -1), (0.7, -0.7), (0, 0))
@@ -43,9 +55,13 @@ def identify(
     """Identify mass, centre of mass and sensor biases: tilts the tool about its present position, ten poses."""
     limits = three("--force-limit", force_limit), three("--torque-limit", torque_limit)
     with open_bus(robot, connect) as bus:
-        client = Client(bus)
+        client = Client(bus, name="identify")
+        turn = client.publisher.share(topics.CONTROL_TARGET)
         subscription, status = client.watch(topics.STATE_EE), client.watch(topics.STATE_ROBOT)
         start = _first(subscription)
+        while not turn.listened:
+            go_first(turn)
+            time.sleep(REPEAT)
         roll, pitch, yaw = rpy_from_rotation(rotation_matrix(start.orientation))
         typer.echo(f"The tool stays near {np.round(start.position, 2).tolist()} m and tilts up to {angle:g} rad.")
         typer.echo("Nothing may touch it, and nothing but its payload may hang from it.")
@@ -58,7 +74,7 @@ def identify(
             for number, (about_x, about_y) in enumerate(TILTS, 1):
                 pose = [*start.position.tolist(), roll + about_x * angle, pitch + about_y * angle, yaw]
                 typer.echo(f"pose {number} of {len(TILTS)} ", nl=False)
-                away = _go(client, subscription, make_target(pose, *limits))
+                away = _go(client, turn, subscription, make_target(pose, *limits))
                 _measure(client, topics.WRENCH_IDENTIFY, {"action": "add"})
                 typer.echo("taken" if away < ARRIVED else _short(away, status))
             reply = ask(bus, topics.WRENCH_IDENTIFY, {"action": "solve", "force": force})
@@ -76,7 +92,7 @@ def _first(subscription: Subscription[EndEffector]) -> EndEffector:
         if latest is not None:
             return latest.message
         time.sleep(0.02)
-    refuse("nothing was heard on state/ee: is the robot process running? See: tandem status", 1)
+    refuse(unheard(subscription), 1)
 
 
 def _measure(client: Client, query: topics.Query, request: dict[str, Any]) -> None:
@@ -90,12 +106,14 @@ def _measure(client: Client, query: topics.Query, request: dict[str, Any]) -> No
                 refuse(f"{query.key} failed {ATTEMPTS} times: {problem}", 1)
 
 
-def _go(client: Client, subscription: Subscription[EndEffector], target: ControlTarget) -> float:
+def _go(client: Client, turn: Turn, subscription: Subscription[EndEffector], target: ControlTarget) -> float:
     """Repeats the target until the tool is still, near it or where its joints end; returns the angle left [rad]."""
     deadline = time.monotonic() + REACH_WITHIN
     still_since = None
     while time.monotonic() < deadline:
-        client.publish(topics.CONTROL_TARGET, target)
+        go_first(turn)
+        if turn.listened:
+            client.publish(topics.CONTROL_TARGET, target)
         time.sleep(REPEAT)
         assert subscription.latest is not None
         tool = subscription.latest.message

@@ -33,7 +33,7 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
         living = watch.living()
         heard = watch.health()
         if known is None:
-            expected = diagnose.one_robot(expected, living)
+            expected = diagnose.one_robot(expected, living, watch.message(topics.STATE_ROBOT))
         rows = diagnose.rows(living, heard, expected)
         if known is None:
             rows = [row if row.service in living | set(heard) else diagnose.never_seen(row.service) for row in rows]
@@ -43,8 +43,10 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
             console.print(line, soft_wrap=True)
         robot_text, robot_ok = robot_line(watch.message(topics.STATE_ROBOT))
         control_text, control_ok = control_line(watch.message(topics.CONTROL_STATUS))
-        task = watch.message(topics.TASK_STATUS)
+        task, trouble = watch.message(topics.TASK_STATUS), watch.trouble()
     wrong = [f"{row.service} is {row.state}: {row.detail}" for row in rows if not row.ok]
+    # What a service has said of a topic already is not said twice.
+    wrong += [text for key, text in trouble.items() if not any(key in told for told in wrong)]
     if not wrong:
         told = [(robot_text, robot_ok), (control_text, control_ok), *([task_line(task)] if task else [])]
         wrong += [text for text, ok in told if not ok]

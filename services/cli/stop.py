@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse, unheard
 from shared import topics
 from shared.messages import ControlStatus, RobotStatus, Stop
 from shared.wire.bus import Bus
@@ -52,7 +52,7 @@ def _latch(bus: Bus, message: Stop) -> None:
         if shown is not None and (shown.message.mode == "stopped") == message.engaged and not latched:
             return
     if robot.latest is None:
-        refuse("sent, but no robot answers on state/robot: is the robot process running? See: tandem status", 1)
+        refuse(f"sent, but no robot has answered: {unheard(robot)}", 1)
     if latched:
         refuse(f"the robot is released, but not the controller: {latched}", 1)
     wanted, mode = "stopped" if message.engaged else "released", robot.latest.message.mode

@@ -8,12 +8,11 @@ import time
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
+from rich.console import Console, Group
 from rich.live import Live
-from rich.table import Table
 from rich.text import Text
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse, table
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus, refuse, table, unheard
 from services.cli.health.watch import Watch
 from shared import topics
 from shared.clock import SteadyClock
@@ -59,12 +58,7 @@ def echo(
                 typer.echo(json.dumps(header | _readable(received.message.to_plain())))
                 printed += 1
         except queue.Empty:
-            rejected = (
-                f"; {subscription.rejected} rejected, last: {subscription.last_rejection}"
-                if subscription.rejected
-                else ""
-            )
-            refuse(f"nothing on {robot}/{key} for {within:g} s (is {topic.publisher} running?){rejected}", 1)
+            refuse(f"{robot}/{key}: nothing to show for {within:g} s: {unheard(subscription)}", 1)
         except KeyboardInterrupt:
             return
 
@@ -81,23 +75,24 @@ def hz(
     if key and topic_by_key(key) is None:
         refuse(f"{key!r} is no topic of the contract; see: tandem topic list")
     with open_bus(robot, connect) as bus:
-        listening = Watch(bus)
+        listening = Watch(bus, also=key)
         if watch:
             try:
                 with Live(refresh_per_second=4) as live:
                     while True:
                         time.sleep(0.25)
-                        live.update(_rates(listening, key))
+                        live.update(_rates(listening, key) or Text("nothing heard yet"))
             except KeyboardInterrupt:
                 return
         time.sleep(seconds)
         rates = _rates(listening, key)
-        if not rates.row_count:
+        if rates is None:
             refuse(f"nothing heard on {robot}/{key or '**'} for {seconds:g} s: is a stack running there?", 1)
         Console().print(rates)
 
 
-def _rates(watch: Watch, only: str) -> Table:
+def _rates(watch: Watch, only: str) -> Group | None:
+    """A row per topic that is heard, and below them what is wrong with what was refused; None if nothing is heard."""
     shown = table("key", "measured [Hz]>", "nominal [Hz]>", "age [ms]>", "rejected>", "publisher")
     now = SteadyClock().now_ns()
     for key, subscription in watch.subscriptions.items():
@@ -113,7 +108,8 @@ def _rates(watch: Watch, only: str) -> Table:
             str(rejected),
             subscription.topic.publisher,
         )
-    return shown
+    wrong = [Text(text, style="red") for key, text in watch.trouble().items() if not only or key == only]
+    return Group(shown, *wrong) if shown.row_count else None
 
 
 def _readable(value: Any) -> Any:

@@ -33,6 +33,7 @@ from services.cli.stack.plan import (
 )
 from services.cli.stack.processes import StackProcesses, wait_for_router
 from services.experiment.carry import carry_protocol
+from shared.loop.door import SECOND
 from shared.processes import FURTHER, process_named
 from shared.processes import ROUTER as ROUTER_PROCESS
 
@@ -143,7 +144,8 @@ def _with_process(row: Row, child: Child | None) -> Row:
     if child is None or row.ok:
         return row
     if child.status is not None:
-        return replace(row, detail=f"{child.how_it_ended()}; start it again with: tandem start {row.service}")
+        again = "" if child.status == SECOND else f"; start it again with: tandem start {row.service}"
+        return replace(row, detail=f"{child.how_it_ended()}{again}")
     if row.health is None and time.monotonic() - child.started < SPEAKS_WITHIN:
         return replace(row, state="starting", detail="not heard yet", ok=True)
     if row.state in ("lost", "silent"):

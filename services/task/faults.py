@@ -51,6 +51,7 @@ _SENTENCES = {
         "controller_never": "waiting for control/status: never received. Is controller running?",
         "controller_silent": "control/status is {}. Is controller running?",
         "controller_refused": "{}",
+        "target_taken": "{} publishes control/target and was first: end it where it runs, then the task moves the arm",
         "controller_braking": "the controller brakes ({})",
     },
     Impairment.UNSURE: {

@@ -114,7 +114,8 @@ def _controller(inputs: Inputs) -> TaskFault | None:
         return _missing("controller", inputs, topics.CONTROL_STATUS, topics.CONTROL_STATUS.max_age)
     if reading.message.state == "braking":
         return TaskFault("controller_braking", reading.message.reason)
-    return None
+    who = inputs.taken(topics.CONTROL_TARGET)
+    return TaskFault("target_taken", who) if who else None
 
 
 def _doubt(inputs: Inputs, tracker: MarkerTracker) -> TaskFault | None:

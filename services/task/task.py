@@ -59,6 +59,7 @@ class Task(Service[TaskParameters]):
                 topics.CONTROL_STATUS,
                 topics.STOP,
             ),
+            shares=(topics.CONTROL_TARGET,),
             occasional={topics.SENSOR_CAMERA: lambda: self.machine.state in _WATCHING},
             queries=(topics.TASK_COMMAND,),
             # An image takes half a period, more on a busy machine; a late step of the task harms nothing.

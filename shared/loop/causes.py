@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from shared.faults import Fault, FaultKind
-from shared.processes import process_named
+from shared.processes import publisher_named
 from shared.topics import Topic
 from shared.wire.bus import Bus
 
@@ -16,14 +16,7 @@ def explained(fault: Fault, topic: Topic, bus: Bus) -> Fault:
         return fault
     if not bus.connected():
         return replace(fault, remedy="There is no connection to the router. Is it running?")
-    alive = sorted({name for name in bus.present().values() if _publisher(name) in topic.publishers})
+    alive = sorted({name for name in bus.present().values() if publisher_named(name) in topic.publishers})
     if alive:
         return replace(fault, remedy=f"{' and '.join(alive)} is alive, but nothing of it arrives here")
     return fault
-
-
-def _publisher(name: str) -> str:
-    try:
-        return process_named(name).publisher
-    except KeyError:
-        return name

@@ -13,7 +13,12 @@ from shared.wire.subscription import Subscription
 
 
 def health(
-    now_ns: int, service: Service, fault: Fault | None, timing: LoopTiming, subscriptions: Mapping[str, Subscription]
+    now_ns: int,
+    service: Service,
+    fault: Fault | None,
+    timing: LoopTiming,
+    subscriptions: Mapping[str, Subscription],
+    taken: Mapping[str, str],
 ) -> Health:
     """How a service is.
 
@@ -23,13 +28,20 @@ def health(
         fault: that is present, if any.
         timing: of its loop.
         subscriptions: its inputs, by key.
+        taken: by key, who else publishes what it publishes, and was first.
     """
     own = service.notes() if fault is None else fault.text
     unused = {key: refused.text for key, one in subscriptions.items() if (refused := one.refused(now_ns))}
-    seconds = {key: text for key, one in subscriptions.items() if (text := one.second(now_ns))}
-    detail = "; ".join(
-        filter(None, (own, *(text for key, text in (*unused.items(), *seconds.items()) if key not in own)))
-    )
+    seconds = [(key, second) for key, one in subscriptions.items() if (second := one.second(now_ns))]
+    more = [
+        *unused.items(),
+        *((key, f"{key}: {two} publishes it too and is refused, since {one} was first") for key, (two, one) in seconds),
+        *(
+            (key, f"{key}: {who} publishes it and was first: what comes from here is refused")
+            for key, who in taken.items()
+        ),
+    ]
+    detail = "; ".join(filter(None, (own, *(text for key, text in more if key not in own))))
     if fault is None:
         state = "degraded" if detail else "ok"
     elif fault.waiting:

@@ -59,6 +59,7 @@ class Runner:
         self._report = report
         publisher = publisher or Publisher(bus, clock)
         self.publish = publisher.publish
+        self._turns = {topic.key: publisher.share(topic) for topic in service.wiring.shares}
         wiring = service.wiring
         self._driver = wiring.driver if isinstance(wiring.driver, Topic) else None
         self._period_ns = 0 if isinstance(wiring.driver, Topic) else nanoseconds(wiring.driver)
@@ -238,7 +239,11 @@ class Runner:
             readings[key] = Reading(latest.message, latest.header, age, new)
         on_demand = self.service.wiring.on_demand
         wanted = frozenset(topic.key for topic in on_demand if self._bus.wanted(topic.key))
-        return Inputs(readings, refusals, wanted, refused)
+        return Inputs(readings, refusals, wanted, refused, self._taken())
+
+    def _taken(self) -> dict[str, str]:
+        """By key, who else publishes what the service publishes at present, and was first."""
+        return {key: who for key, turn in self._turns.items() if (who := turn.taken()) and turn.speaking}
 
     def _tell(self, fault: Fault | None) -> None:
         kind = "" if fault is None else f"{fault.kind.value} {fault.key}"
@@ -248,7 +253,7 @@ class Runner:
 
     def _tell_health(self, now: int) -> None:
         self._health_due = now + _HEALTH_PERIOD_NS
-        message = health(now, self.service, self.fault, self.timing, self.subscriptions)
+        message = health(now, self.service, self.fault, self.timing, self.subscriptions, self._taken())
         self.publish(self._health_topic, message, valid=self.fault is None)
 
     def close(self) -> None:

@@ -19,13 +19,21 @@ M = TypeVar("M", bound=Record)
 
 
 class Client:
-    """Publishes, watches and asks on a bus, with a header of its own."""
+    """Publishes, watches and asks on a bus, with a header of its own.
 
-    def __init__(self, bus: Bus, clock: Clock | None = None) -> None:
+    Args:
+        bus: on which the others are.
+        clock: steady.
+        name: by which others know who its session is; empty for who publishes nothing.
+    """
+
+    def __init__(self, bus: Bus, clock: Clock | None = None, name: str = "") -> None:
         self.bus = bus
         self.clock = clock or SteadyClock()
         self.publisher = Publisher(bus, self.clock)
         self.publish = self.publisher.publish
+        if name:
+            bus.claim(name, self.publisher.session)
 
     def watch(self, topic: Topic[M], on_message: Callable[[Received[M]], None] | None = None) -> Subscription[M]:
         """Subscribe; ``on_message`` is called from a thread of the bus and has to return at once."""

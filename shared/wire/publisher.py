@@ -11,6 +11,7 @@ from shared.schema.records import Record
 from shared.topics import Topic
 from shared.wire.bus import Bus
 from shared.wire.codec import Payload
+from shared.wire.turn import Turn
 
 
 class Publisher:
@@ -29,12 +30,20 @@ class Publisher:
         self._clock = clock
         self.session = secrets.randbits(62)
         self._next: dict[str, int] = {}
+        self._turns: dict[str, Turn] = {}
         self._lock = threading.Lock()
+
+    def share(self, topic: Topic) -> Turn:
+        """Whose turn it is to publish a topic that others may publish too."""
+        turn = self._turns[topic.key] = Turn(topic, self.session, self._bus, self._clock)
+        return turn
 
     def publish(self, topic: Topic, message: Record, valid: bool = True, stamp: int | None = None) -> None:
         """Send one message; ``stamp`` [ns] is when its content was true, now if not given."""
         with self._lock:
             sequence = self._next.get(topic.key, 0)
             self._next[topic.key] = sequence + 1
+        if (turn := self._turns.get(topic.key)) is not None:
+            turn.speak()
         stamp = self._clock.now_ns() if stamp is None else stamp
         self._bus.publish(topic.key, Payload.of(message, Header.trusted(sequence, self.session, stamp, bool(valid))))

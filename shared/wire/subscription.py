@@ -27,6 +27,8 @@ LOSS_LIMIT = 1 / 3
 """Share of lost messages [1] within a second above which an input is not used: 20 % on average must still pass."""
 HANDOVER_LIMIT = 1.0
 """Longest silence [s] of a publisher before another session may take over its topic."""
+TOLD_FOR = 10.0
+"""Time [s] for which a refused message of a topic that comes on change only is told, such as a stop."""
 CLOCK_DRIFT = 50e-6
 """Assumed drift [1] between two machines' steady clocks; hides a delay that grows more slowly than this."""
 _WINDOW_NS = 1_000_000_000
@@ -85,6 +87,10 @@ class Subscription(Generic[M]):
         self.last_rejection = ""
         self.out_of_order = 0
         self.second_session = 0
+
+    def now_ns(self) -> int:
+        """The receiver's clock [ns]."""
+        return self._clock.now_ns()
 
     @property
     def latest(self) -> Received[M] | None:
@@ -226,24 +232,25 @@ class Subscription(Generic[M]):
         session = second[0] if second else 0
         return self._named(session) or f"session {session}"
 
-    def second(self, now_ns: int) -> str:
-        """Who else publishes the topic at present and is refused, since another one was first; empty if nobody does."""
+    def second(self, now_ns: int) -> tuple[str, str] | None:
+        """Who publishes the topic at present and is refused, and who was first here; None if there is one publisher."""
         second, last = self._second, self._latest
         if second is None or last is None or now_ns - second[1] > nanoseconds(HANDOVER_LIMIT):
-            return ""
-        first = self._who((last.header.session, 0))
-        return f"{self.topic.key}: {self._who(second)} publishes it too and is refused, since {first} was first"
+            return None
+        return self._who(second), self._who((last.header.session, 0))
 
     def refused(self, now_ns: int) -> Fault | None:
         """That nothing of what arrives at present is used, and why."""
         if not self._unused:
             return None
-        last, limit = self._latest, self.age_limit
-        if last is not None and limit < math.inf:
-            used = now_ns - last.arrival_ns <= nanoseconds(limit)
-            if used or now_ns - self._unused_ns > nanoseconds(max(HANDOVER_LIMIT, limit)):
-                return None
-        return faults.refused(self.topic.key, self._unused, self._reason)
+        last, limit, ago = self._latest, self.age_limit, seconds(now_ns - self._unused_ns)
+        if limit == math.inf:
+            told = ago <= TOLD_FOR
+        elif last is None:
+            told = True
+        else:
+            told = seconds(now_ns - last.arrival_ns) > limit and ago <= max(HANDOVER_LIMIT, limit)
+        return None if not told else faults.refused(self.topic.key, self._unused, self._reason)
 
     def fault(self, now_ns: int, max_delay: float) -> Fault | None:
         """Why the newest message must not be used, or None.

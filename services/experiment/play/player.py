@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from services.experiment.play.course import Ask, Course
+from services.experiment.play.course import Ask, Course, Failed
 from services.experiment.play.observation import INPUTS, Observation
 from services.experiment.play.recording import Recorder, Recording
 from shared import topics
@@ -52,7 +52,9 @@ class Player(Service[Parameters]):
         clock: Clock,
         ask: Callable[[Ask, Answered], None],
     ) -> None:
-        self.wiring = Wiring("experiment", driver=PERIOD, optional=INPUTS)
+        self.wiring = Wiring(
+            "experiment", driver=PERIOD, optional=INPUTS, shares=() if target is None else (topics.CONTROL_TARGET,)
+        )
         super().__init__(Parameters())
         self.course = course
         self._target = target
@@ -69,6 +71,8 @@ class Player(Service[Parameters]):
         Raises:
             Failed: the experiment cannot go on.
         """
+        if who := inputs.taken(topics.CONTROL_TARGET):
+            raise Failed(f"{who} publishes {topics.CONTROL_TARGET.key} and was first: end it, then play again")
         for ask in self.course.step(self.now(), Observation.of(inputs)):
             self._ask(ask, self.course.answered)
         return [] if self._target is None else [Output(topics.CONTROL_TARGET, self._target)]

@@ -47,9 +47,26 @@ def test_a_service_that_was_never_started_is_not_called_lost() -> None:
 
 
 def test_whichever_robot_runs_no_other_one_is_missed() -> None:
-    assert "sim" in one_robot(STACK, {"wrench"}), "none runs: the usual one is missed"
-    assert "sim" in one_robot(STACK, {"sim", "mock"}), "two are both shown"
-    assert set(STACK) - set(one_robot(STACK, {"mock", "wrench"})) == {"sim"}
+    real = RobotStatus("ready", "", "omni", False, 0.25, 0.5, (0.0, 0.0, 0.0))
+    assert "sim" in one_robot(STACK, {"wrench"}, None), "none runs: the usual one is missed"
+    assert "sim" in one_robot(STACK, {"sim", "mock"}, None), "two are both shown"
+    assert set(STACK) - set(one_robot(STACK, {"mock", "wrench"}, None)) == {"sim"}
+    assert set(STACK) - set(one_robot(STACK, {"robot", "wrench"}, real)) == {"sim"}
+    assert set(STACK) - set(one_robot(STACK, {"wrench"}, real)) == {"sim"}, "a robot without a token"
+
+
+@pytest.mark.parametrize(
+    ("name", "remedy"),
+    [
+        ("base", "tandem start base"),
+        ("sim", "tandem start sim"),
+        ("mock", "python -m services.mock"),
+        ("robot", "no process of this project"),
+        ("viewer", "no process of this project"),
+    ],
+)
+def test_the_remedy_follows_from_what_the_process_is(name: str, remedy: str) -> None:
+    assert remedy in rows(set(), {}, [name])[0].detail
 
 
 def test_a_stopped_robot_names_the_remedy() -> None:
