@@ -237,6 +237,8 @@ class Subscription(Generic[M]):
         second, last = self._second, self._latest
         if second is None or last is None or now_ns - second[1] > nanoseconds(HANDOVER_LIMIT):
             return None
+        if second[0] == last.header.session:  # it has taken over
+            return None
         return self._who(second), self._who((last.header.session, 0))
 
     def refused(self, now_ns: int) -> Fault | None:

@@ -183,6 +183,11 @@ def test_who_publishes_beside_the_first_one_is_named_while_it_does(feed: Feed) -
     assert feed.subscription.second(feed.clock.now) == ("session 2", "sim")
     feed.run(101)
     assert not feed.subscription.second(feed.clock.now)
+    second = Publisher(feed.clock, session=3)
+    feed.offer(second)
+    feed.clock.advance(0.5)
+    feed.offer(second)
+    assert not feed.subscription.second(feed.clock.now), "it has taken over"
 
 
 def test_threads_may_offer_at_once(feed: Feed) -> None:
