@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from services.wrench.averaging import AXES, UNITS
+from services.wrench.sensor_watch import FEWEST_REPEATS
 from shared.parameters import Parameters, Refused, Vector6, option, parameter
 from shared.robot.tiago import SENSOR_RANGE
 from shared.spatial import GRAVITY
@@ -106,3 +107,17 @@ class WrenchParameters(Parameters):
                 f"tool_mass is {self.tool_mass:g} kg, its weight of {self.tool_mass * GRAVITY:.0f} N is beyond "
                 f"sensor_range ({max(self.sensor_range[:3]):g} N)"
             )
+
+    def unfit(self, period: float) -> str:
+        """What of the parameters does not fit the sensor's period [s], empty if all do."""
+        soonest = FEWEST_REPEATS * period
+        if self.stuck_after < soonest:
+            return (
+                f"stuck_after is {self.stuck_after:g} s, samples come every {period:.3f} s: a stuck axis shows after "
+                f"{soonest:.2f} s at the soonest. Raise stuck_after, or the sensor's rate"
+            )
+        if self.lowpass_hz * period > 0.5:
+            return (
+                f"lowpass_hz is {self.lowpass_hz:g}, beyond half the sensor's rate of {1.0 / period:.0f} Hz: no effect"
+            )
+        return ""

@@ -27,6 +27,7 @@ from shared.service import Inputs, Output, Reply, Service, Wiring
 from shared.spatial import Array, rotation_matrix
 
 ATTITUDE = 0.005  # [rad] that a robot's own kinematics may be wrong by, besides the floor
+REFUTED = 1.5  # times a declared bound: what ten readings say of a noise is no better known
 LIGHTEST = 0.5  # share of `tool_mass` that the tool weighs at least, if there is one
 
 
@@ -61,6 +62,7 @@ class Wrench(Service[WrenchParameters]):
         self._measurements = Measurements(self._tared)
         self._tool_offset: Array = np.zeros(3)
         self._zero = Zero()
+        self._period = 0.0
         self._tare_began = 0
         self._identification_began: int | None = None
         self._trouble = f"no {topics.SENSOR_FT.key} has come in yet"
@@ -75,6 +77,7 @@ class Wrench(Service[WrenchParameters]):
         if reading.header.session != self._session:
             self._follow(reading.header.session, reading.header.stamp, dt)
         self._zero.sampled(reading.header.stamp)
+        self._period += 0.05 * (dt - self._period)
         raw = np.concatenate((sample.force, sample.torque))
         rotation = rotation_matrix(sample.orientation)
         standing = upright(rotation, sample.gravity)
@@ -161,7 +164,8 @@ class Wrench(Service[WrenchParameters]):
     def notes(self) -> str:
         """What a person should know of sensor, zero and files although the service works."""
         zero = self.compensation.warning and f"the zero was adopted by force: {self.compensation.warning}"
-        notes = (self._trouble, self._watch.notes(), zero, self._refuted(), self._journal.problem)
+        unfit = self.parameters.unfit(self._period)
+        notes = (self._trouble, self._watch.notes(), zero, self._refuted(), unfit, self._journal.problem)
         return "; ".join(filter(None, notes))
 
     def _refuted(self) -> str:
@@ -176,7 +180,7 @@ class Wrench(Service[WrenchParameters]):
         return "; ".join(
             f"{name} is refuted by what was measured, {np.round(measured, 3).tolist()} count"
             for name, declared, measured in found
-            if np.any(measured > 1.2 * declared)
+            if np.any(measured > REFUTED * declared)
         )
 
     @property

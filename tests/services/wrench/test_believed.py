@@ -142,8 +142,18 @@ def test_parameters_that_contradict_each_other_are_refused(words: str) -> None:
         WrenchParameters.of(CONTRADICTIONS[words])
 
 
+@pytest.mark.parametrize(
+    ("given", "words"), [({"stuck_after": 0.02}, "stuck axis shows after 0.07 s"), ({"lowpass_hz": 30.0}, "no effect")]
+)
+def test_parameters_that_do_not_fit_the_rate_are_told(given: dict[str, float], words: str) -> None:
+    slow, fast = Rig(rate=30.0, **given), Rig(rate=500.0, **given)
+    for rig in (slow, fast):
+        rig.run(5.0)
+    assert words in slow.wrench.notes() and fast.wrench.notes() == ""
+
+
 def test_noise_beyond_the_declared_counts_and_is_said() -> None:
-    rig = Rig(noise_bound=(0.3, 0.5, 0.5, 0.025, 0.025, 0.025))
+    rig = Rig(noise_bound=(0.2, 0.5, 0.5, 0.025, 0.025, 0.025))
     rig.run(0.5)
     rig.tare()
     rig.run(0.1)
