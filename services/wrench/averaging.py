@@ -59,7 +59,7 @@ class AveragingWindow:
         duration: [s].
         noise_bound: (6,) [N, Nm] declared bound on the sensor's noise, sensor axes.
         resolution: (6,) [N, Nm] declared step of the readings, or reading up to which they are zero, 0 = unknown.
-        bias_bound: (6,) [N, Nm] declared bound on the bias: that of an axis that is zero while others have noise.
+        bias_bound: (6,) [N, Nm] declared bound on the bias: that of an axis that repeats one value while others have noise.
     """
 
     def __init__(self, duration: float, noise_bound: Array, resolution: Array, bias_bound: Array) -> None:
@@ -117,14 +117,13 @@ class AveragingWindow:
 
 
 def _rounding(readings: Array) -> float:
-    """What steps or a dead zone may make the mean of an axis' readings (n,) wrong by; infinite if all of them are zero.
+    """What steps or a dead zone may make the mean of an axis' readings (n,) wrong by; infinite if all are the same.
 
     Noise of half a step and more makes the mean of rounded readings right. A dead zone shows by zeros among others.
     """
     values = np.unique(readings)
-    others = np.abs(values[values != 0.0])
-    if not others.size:
+    if len(values) == 1:
         return math.inf
-    zone = float(others.min()) if np.count_nonzero(readings == 0.0) > 1 else 0.0
-    step = float(np.diff(values).min()) if len(values) > 1 else 0.0
+    zone = float(np.abs(values[values != 0.0]).min()) if np.count_nonzero(readings == 0.0) > 1 else 0.0
+    step = float(np.diff(values).min())
     return max(zone, 0.5 * step if readings.std() < 0.5 * step else 0.0)

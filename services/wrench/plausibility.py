@@ -144,7 +144,8 @@ def forced(adopted: Compensation, doubt: str, declared: Declared, former: Former
     drift = adopted.drift
     if former is not None and former.age >= _SHORTEST and former.compensation.kind == adopted.kind:
         change = np.abs(adopted.bias - former.compensation.bias) - adopted.bias_error - former.compensation.bias_error
-        drift = np.maximum(drift, change * 60.0 / former.age)
+        if np.all(change <= declared.bias_bound):  # farther than that no zero drifts
+            drift = np.maximum(drift, change * 60.0 / former.age)
     return adopted.replaced(warning=doubt, bias_bound=bias_bound, tool_mass=max(0.0, heavy), drift=drift)
 
 

@@ -91,9 +91,8 @@ def test_what_the_poses_left_bounds_every_linear_effect_in_every_attitude(
     result = identify([Average(matrix @ sensor.exact(r), np.zeros(6), 100, r) for r in TILTED])
     known, rotation = result.compensation(), rotation_from_vector(turn)
     error = np.abs(matrix @ sensor.exact(rotation) - known.offset(rotation))
-    allowed = known.misfit(rotation[2]) + known.bias_error
-    allowed += 9.81 * np.repeat((known.mass_error, known.moment_error), 3)
-    assert np.all(error <= 1.001 * allowed + 1e-9)
+    # Directions that no pose has shown are taken to be known to 0.01 (`_SHARPEST`).
+    assert np.all(error <= 1.1 * known.misfit(rotation[2]) + 1e-3)
 
 
 def test_far_from_the_poses_less_is_stated() -> None:
