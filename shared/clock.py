@@ -27,6 +27,11 @@ def seconds(nanoseconds: int) -> float:
     return nanoseconds * 1e-9
 
 
+def in_words(duration: float) -> str:
+    """A duration [s] as a person says it: seconds below two minutes, else minutes."""
+    return f"{duration:.0f} s" if duration < 120.0 else f"{duration / 60.0:.0f} min"
+
+
 def nanoseconds(duration: float) -> int:
     """A duration [s] in whole nanoseconds."""
     return round(duration * 1e9)

@@ -10,6 +10,7 @@ import typer
 
 from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse
 from shared import topics
+from shared.clock import in_words
 from shared.spatial import GRAVITY
 
 
@@ -22,7 +23,9 @@ def tare(
     """Average the force-torque sensor while the robot is still and nothing touches it; subtract that from now on."""
     with open_bus(robot, connect) as bus:
         reply = ask(bus, topics.WRENCH_TARE, {"duration": duration, "force": force}, timeout=duration + 3.0)
-    typer.echo(f"tared over {reply['samples']} samples (sensor axes)")
+    before = reply.get("replaced_age", -1.0)
+    replaced = f"; the zero before was {in_words(before)} old" if before >= 0.0 else ""
+    typer.echo(f"tared over {reply['samples']} samples (sensor axes){replaced}")
     for name, unit, bias, std in (
         ("force", "N", reply["force"], reply["std"][:3]),
         ("torque", "Nm", reply["torque"], reply["std"][3:]),

@@ -16,7 +16,9 @@ class Impairment(Enum):
     NUMB = "numb"
     """There is no external wrench to trust."""
     UNTARED = "untared"
-    """The wrench still contains the gripper's weight."""
+    """The wrench still contains the gripper's weight, or the sensor's zero."""
+    STALE = "stale"
+    """The sensor's zero is so old that little of the limits is left."""
     PARALYSED = "paralysed"
     """The controller does not follow its target."""
     UNSURE = "unsure"
@@ -44,9 +46,12 @@ _SENTENCES = {
     Impairment.UNTARED: {
         "untared": "nothing was tared: ask for it with `tandem tare`, or better with `tandem identify`, nothing "
         "touching the tool",
+        "no_zero": "there is no zero of the sensor from this run of the robot process: `tandem tare`, nothing touching "
+        "the tool",
         "unidentified": "a tare does not hold for a turned gripper, as `compensation` demands: `tandem identify` "
         "weighs it",
     },
+    Impairment.STALE: {"zero_old": "the zero is {}: let go of the tool and `tandem tare`"},
     Impairment.PARALYSED: {
         "controller_never": "waiting for control/status: never received. Is controller running?",
         "controller_silent": "control/status is {}. Is controller running?",

@@ -24,6 +24,7 @@ _APPROACHES = {
     State.APPROACHING: Approach.approach,
     State.GRASPING: Approach.grasp,
 }
+_FIRST = "; before that: "
 _CARRIES = {State.CARRYING: Carry.carry, State.RELEASING: Carry.release, State.RETREATING: Carry.retreat}
 
 
@@ -202,7 +203,7 @@ class StateMachine(Commands):
     def _idle(self, seen: Observation, dt: float) -> Decision:
         fingers = self.fingers
         if not fingers.opening:
-            return Decision(self.reason)
+            return Decision(self.reason.partition(_FIRST)[0] + self._wanting(seen))
         if stopped := self._stopped:
             fingers.stop(seen.gripper)
             cause = stopped.sentence.partition(": `")[0]
@@ -215,6 +216,13 @@ class StateMachine(Commands):
             fingers.stop(seen.gripper)
             return Decision("the gripper does not open: look at it, then `start` again")
         return Decision("opening the gripper")
+
+    def _wanting(self, seen: Observation) -> str:
+        """What an idle robot whose tool is free may be asked for now, so that a start need not wait for it."""
+        if seen.gripper is None or seen.gripper.holding:
+            return ""
+        wanted = (fault for fault in self._faults if fault.kind in (Impairment.UNTARED, Impairment.STALE))
+        return next((_FIRST + fault.sentence for fault in wanted), "")
 
     def _go(self, state: State, reason: str, seen: Observation | None) -> None:
         before, self.state, self.since, self.reason, self._waited = self.state, state, 0.0, reason, 0.0

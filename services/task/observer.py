@@ -10,7 +10,7 @@ from services.task.parameters import TaskParameters
 from services.task.states import UNSURE, Observation
 from services.task.vision.marker_tracker import MarkerTracker
 from shared import topics
-from shared.clock import seconds
+from shared.clock import in_words, seconds
 from shared.messages import Header
 from shared.service import Inputs, Reading
 from shared.topics import Topic
@@ -19,6 +19,10 @@ from shared.wire.subscription import PERIODS_TO_SILENCE, SLOWEST_PERIOD
 GUARDED_MAX_AGE = 0.08
 """Age [s] of a control status up to which the base may follow, or three of its periods if that is more: with a step of
 the task and one of the base, the base brakes 120 ms after the last command of a controller that is gone."""
+STALE_SHARE = 0.9
+"""Share [1] of the error bound above which the controller refuses a limit: above it a carry would not last."""
+_REFUSED_ABOVE = 1.0 / 3.0  # [1] of the limit: what an error leaves of it has to exceed twice the error
+_JUST_MEASURED = 10.0  # [s] of a zero's age up to which another one would tell no more
 WRENCH_MAX_AGE = 0.2  # [s] up to which a wrench is used: decisions of the task take a second
 
 
@@ -95,6 +99,15 @@ class Observer:
             return [TaskFault("untared")]
         if reading.message.compensation == "tare" and self._settings.compensation == "payload":
             return [TaskFault("unidentified")]
+        age, bound = reading.message.zero_age, reading.message.error_bound
+        if age is None:
+            return []
+        if age < 0.0:
+            return [TaskFault("no_zero")]
+        limit = np.array(self._settings.force_limit + self._settings.torque_limit)
+        if age > _JUST_MEASURED and (bound > STALE_SHARE * _REFUSED_ABOVE * limit).any():
+            known = f"known to {bound[:3].max():.1f} N and {bound[3:].max():.2f} Nm only"
+            return [TaskFault("zero_old", f"{in_words(age)} old and {known}")]
         return []
 
     def _guarded(self, reading: Reading | None) -> bool:

@@ -106,7 +106,7 @@ _HOLDING = {**_TARED, Impairment.UNSURE: _PATIENCE, Impairment.LOOSE: _NOW}
 REACTIONS: dict[State, dict[Impairment, str]] = {
     State.CALIBRATING: {
         Impairment.STOPPED: _NOW,
-        **dict.fromkeys((Impairment.NUMB, Impairment.UNTARED, Impairment.PARALYSED), _FOREVER),
+        **dict.fromkeys((Impairment.NUMB, Impairment.UNTARED, Impairment.STALE, Impairment.PARALYSED), _FOREVER),
     },
     State.SEARCHING: _TARED,
     State.APPROACHING: {**_TARED, Impairment.BLIND: _MARKER},

@@ -13,6 +13,7 @@ from services.cli.health.diagnose import Row, control_line, robot_line, task_lin
 from services.cli.health.watch import Watch
 from services.cli.stack.children import Child
 from shared import topics
+from shared.clock import in_words
 from shared.messages import ControlStatus, ExternalWrench
 from shared.topics import Topic
 
@@ -85,10 +86,17 @@ def summary(watch: Watch) -> list[Text]:
 def _load(wrench: ExternalWrench, status: ControlStatus | None) -> str:
     force = " ".join(f"{value:+6.1f}" for value in wrench.force)
     torque = " ".join(f"{value:+6.2f}" for value in wrench.torque)
-    text = f"force [{force}] N, torque [{torque}] Nm, {wrench.compensation}"
+    text = f"force [{force}] N, torque [{torque}] Nm, {wrench.compensation}{_zero(wrench)}"
     if status is not None and status.state in ("tracking", "yielding"):
         text += f"; least margin {min(status.margin[:3]):.1f} N, {min(status.margin[3:]):.2f} Nm"
     return text
+
+
+def _zero(wrench: ExternalWrench) -> str:
+    """How old the sensor's zero is, and how well that lets the wrench be known."""
+    age, bound = wrench.zero_age, wrench.error_bound
+    told = "" if age is None else ", no zero of this run" if age < 0.0 else f", zero {in_words(age)} old"
+    return f"{told}, bound {bound[:3].max():.1f} N, {bound[3:].max():.2f} Nm"
 
 
 def stack_view(rows: list[Row], watch: Watch, processes: Mapping[str, Child], head: str) -> RenderableType:

@@ -28,7 +28,7 @@ class Robot:
     Attributes:
         muted: keys that are not published any more.
         every: ticks between two wrenches, and two statuses of the controller.
-        compensation: what the wrench service says.
+        compensation, zero_age, error_bound: what the wrench service says.
         control: state of the controller while it does not brake.
         shown: marker pose in base that the camera sees; None covers it.
         number: of that marker.
@@ -51,6 +51,8 @@ class Robot:
         self.muted: set[str] = set()
         self.every = 1
         self.compensation = "payload"
+        self.zero_age: float | None = None
+        self.error_bound = np.full(6, 0.2)
         self.wrench_fault = ""
         self.braking = ""
         self.control = "tracking"
@@ -89,7 +91,8 @@ class Robot:
         wrench = toy.wrench
         messages: list[tuple[topics.Topic, Record, bool]] = [(topics.STATE_EE, self._tool(), True)]
         if number % self.every == 0:
-            felt = ExternalWrench(wrench[:3], wrench[3:], np.full(6, 0.2), self.compensation, self.wrench_fault)
+            known = (self.error_bound, self.compensation, self.wrench_fault, self.zero_age)
+            felt = ExternalWrench(wrench[:3], wrench[3:], *known)
             messages.append((topics.WRENCH_EXTERNAL, felt, not self.wrench_fault))
             messages.append((topics.CONTROL_STATUS, self._status(), True))
         if number % 5 == 0:

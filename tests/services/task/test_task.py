@@ -69,6 +69,38 @@ def test_it_asks_for_a_tare() -> None:
     rig.until("carrying")
 
 
+def test_a_zero_of_another_run_of_the_robot_does_not_do() -> None:
+    rig = Rig()
+    rig.robot.zero_age = -1.0
+    rig.run(1.0)
+    assert rig.state == "idle" and "no zero of the sensor from this run" in rig.reason
+    rig.begun().until("calibrating").run(3.0)
+    assert rig.state == "calibrating" and "tandem tare" in rig.reason
+    rig.robot.zero_age = 1.0
+    rig.until("carrying")
+
+
+def test_an_old_zero_is_asked_to_be_measured_anew_before_the_carry_and_does_not_end_one() -> None:
+    rig = Rig()
+    rig.robot.zero_age, rig.robot.error_bound = 840.0, np.array((0.3, 0.3, 1.24, 0.16, 0.3, 0.3))
+    old = "the zero is 14 min old and known to 1.2 N and 0.30 Nm only: let go of the tool and `tandem tare`"
+    rig.run(1.0)
+    assert rig.state == "idle" and rig.reason.endswith(old) and rig.reason.count(old) == 1
+    rig.begun().until("calibrating").run(3.0)
+    assert rig.state == "calibrating" and old in rig.reason
+    rig.robot.zero_age = 1.0
+    rig.until("carrying")
+    rig.robot.zero_age = 900.0
+    rig.run(5.0)
+    assert rig.state == "carrying" and "the zero is" not in rig.reason
+
+
+def test_an_old_zero_that_is_known_well_enough_is_good_enough() -> None:
+    rig = Rig()
+    rig.robot.zero_age, rig.robot.error_bound = 7200.0, np.array((2.9, 2.9, 2.9, 0.14, 0.8, 0.8))
+    rig.begun().until("carrying")
+
+
 def test_a_tare_is_not_enough_if_payload_is_wanted() -> None:
     rig = Rig(compensation="payload")
     rig.robot.compensation = "tare"
