@@ -42,7 +42,22 @@ class SimParameters(Parameters):
         50.0,
         "standard deviation of its noise, per axis; never below 1e-6, so that no axis looks stuck",
     )
-    ft_bias: Vector6 = parameter((0.0,) * 6, "N, Nm", -100.0, 100.0, "its constant error, per axis")
+    ft_bias: Vector6 = parameter((0.0,) * 6, "N, Nm", -100.0, 100.0, "its error at the start, per axis")
+    ft_drift: Vector6 = parameter(
+        (0.01, -0.01, 0.015, 0.0005, -0.0003, 0.0004),
+        "N, Nm per minute",
+        -100.0,
+        100.0,
+        "how that error drifts: half of what wrench.zero_drift allows by default",
+    )
+    floor_slope: tuple[float, float] = parameter(
+        (0.0, 0.0),
+        "rad",
+        -0.3,
+        0.3,
+        "rise of the floor along x and along y of base at the start; only in the scene load",
+    )
+    tells_gravity: bool = option(False, "sensor/ft says where down is, as a robot with a tilt sensor does")
     joint_rate: float = parameter(100.0, "Hz", 50.0, 1000.0, "of joint states and of the tool's pose")
     camera_rate: float = parameter(10.0, "Hz", 1.0, 30.0, "of the head camera")
     base_type: BaseType = option("differential", "kind of mobile base")
@@ -144,8 +159,10 @@ class SimParameters(Parameters):
         """Whether what depends on the sensors hears from them often enough.
 
         Raises:
-            Refused: if one of the rates is too slow in real time.
+            Refused: if one of the rates is too slow in real time, or there is a panel on a slope.
         """
+        if any(self.floor_slope) and self.scene != "load":
+            raise Refused(f'floor_slope is {list(self.floor_slope)} rad: only with scene="load", without a panel')
         for name in ("ft_rate", "joint_rate"):
             rate = getattr(self, name)
             if rate * self.real_time_factor < SLOWEST_RATE - 1e-9:

@@ -29,6 +29,7 @@ from shared.sim_messages import BagState, HandState, PanelState, SimWorld
 from shared.spatial import quaternion
 from shared.topics import Query
 
+DOWN = np.array((0.0, 0.0, -1.0))
 _STARTS = {"full": FULL_HOME, "load": HOME, "carry": CARRY_HOME}
 
 
@@ -45,7 +46,7 @@ class Simulator(Service[SimParameters]):
         # Real time per simulated time: the gate's deadlines are promises in real time.
         self._stretch = 1.0 / parameters.real_time_factor
         scene = PanelScene(parameters.panel_scene(), self._ticks.step) if parameters.scene != "load" else None
-        self.world = World(self._ticks.step, _STARTS[parameters.scene], scene)
+        self.world = World(self._ticks.step, _STARTS[parameters.scene], scene, parameters.floor_slope)
         limits = GateLimits(
             parameters.max_linear,
             parameters.max_angular,
@@ -60,7 +61,7 @@ class Simulator(Service[SimParameters]):
             gripper=tiago.GRIPPER_RANGES,
             head=tiago.HEAD_RANGES,
         )
-        self._sensor = ForceTorqueSensor(parameters.ft_noise, parameters.ft_bias, parameters.seed)
+        self._sensor = ForceTorqueSensor(parameters.ft_noise, parameters.ft_bias, parameters.ft_drift, parameters.seed)
         self._lines = {"ft": SensorLine(), "joints": SensorLine(), "camera": SensorLine()}
         self._camera = None
         if scene is not None:
@@ -143,10 +144,12 @@ class Simulator(Service[SimParameters]):
     def _ft_sample(self) -> FtSample:
         arm = self.world.arm
         line = self._lines["ft"]
-        reading, saturated = line.stick(lambda: self._sensor.read(arm.physics.wrist_wrench()))
+        reading, saturated = line.stick(lambda: self._sensor.read(arm.physics.wrist_wrench(), self.world.time))
         reading = line.shift(reading)
         _, rotation = arm.kinematics.sensor()
-        return FtSample(reading[:3], reading[3:], quaternion(rotation), arm.kinematics.tool_in_sensor, saturated)
+        down = np.array(self.world.base.down) if self.parameters.tells_gravity else DOWN
+        offset = arm.kinematics.tool_in_sensor
+        return FtSample(reading[:3], reading[3:], quaternion(rotation), offset, saturated, down)
 
     def _base_state(self) -> BaseState:
         base = self.world.base

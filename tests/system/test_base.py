@@ -1,4 +1,4 @@
-"""Wrench service, base service and a robot together: a push at the tool moves the base, an error of the sensor does not."""
+"""Wrench service, base service and a robot together: a push at the tool moves the base, an error of the sensor none."""
 
 from __future__ import annotations
 

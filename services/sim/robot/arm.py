@@ -89,7 +89,8 @@ class Arm:
     def feel(self, base: MobileBase) -> None:
         """Let the arm feel its weight and the motion of the base that carries it."""
         if base.at_rest:
-            self.physics.feel((0.0, 0.0, -GRAVITY))
+            x, y, z = base.down
+            self.physics.feel((GRAVITY * x, GRAVITY * y, GRAVITY * z))
             return
         position, rotation = self.kinematics.tool()
         x, y, z = (position + GRIPPER_CENTRE * rotation[:, 0]).tolist()

@@ -14,13 +14,19 @@ class MobileBase:
 
     Written in plain floats because it is asked in every physics step.
 
+    Args:
+        slope: rise of the floor [rad] along x and y of the world.
+
     Attributes:
         x, y: position [m] in the world.
         yaw: [rad], in (-pi, pi].
         velocity: vx, vy [m/s], wz [rad/s] in base axes.
+        down_in_world: unit vector of gravity there.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, slope: tuple[float, float] = (0.0, 0.0)) -> None:
+        x, y = math.sin(slope[0]), math.sin(slope[1])
+        self.down_in_world: Vector = (0.0 - x, 0.0 - y, -math.sqrt(1.0 - x * x - y * y))
         self.x = self.y = self.yaw = 0.0
         self.velocity: Vector = (0.0, 0.0, 0.0)
         self._acceleration: Vector = (0.0, 0.0, 0.0)
@@ -52,6 +58,11 @@ class MobileBase:
         self.y += length * (sine * vx + cosine * vy)
         self.yaw = math.remainder(self.yaw + wz * dt, math.tau)
         self._cosine, self._sine = math.cos(self.yaw), math.sin(self.yaw)
+
+    @property
+    def down(self) -> Vector:
+        """Unit vector of gravity in base axes."""
+        return self.turned_back(self.down_in_world)
 
     def turned(self, vector: Vector) -> Vector:
         """A vector in base axes, in world axes."""
@@ -87,8 +98,9 @@ class MobileBase:
         ax, ay, turning = self._acceleration
         vx, vy, wz = self.velocity
         x, y, _ = position
+        gx, gy, gz = self.down
         return (
-            wz * vy - ax + turning * y + wz * wz * x + 2.0 * wz * velocity[1],
-            -wz * vx - ay - turning * x + wz * wz * y - 2.0 * wz * velocity[0],
-            -GRAVITY,
+            GRAVITY * gx + wz * vy - ax + turning * y + wz * wz * x + 2.0 * wz * velocity[1],
+            GRAVITY * gy - wz * vx - ay - turning * x + wz * wz * y - 2.0 * wz * velocity[0],
+            GRAVITY * gz,
         )

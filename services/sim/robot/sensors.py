@@ -22,22 +22,29 @@ takes an axis that does for stuck."""
 
 
 class ForceTorqueSensor:
-    """The wrist's force-torque sensor: it adds bias and white noise, and saturates.
+    """The wrist's force-torque sensor: it adds a drifting bias and white noise, and saturates.
 
     Args:
         noise: standard deviation per axis (6,) [N, Nm]; below ``DITHER`` it is that.
-        bias: constant error per axis (6,) [N, Nm].
+        bias: error per axis at the start (6,) [N, Nm].
+        drift: of the bias (6,) [N, Nm per minute].
         seed: of the noise; the same seed gives the same readings.
     """
 
-    def __init__(self, noise: Sequence[float], bias: Sequence[float], seed: int) -> None:
+    def __init__(self, noise: Sequence[float], bias: Sequence[float], drift: Sequence[float], seed: int) -> None:
         self._noise = np.maximum(noise, DITHER)
         self._bias = np.array(bias)
+        self._drift = np.array(drift) / 60.0
         self._random = np.random.default_rng(seed)
 
-    def read(self, wrench: Array) -> tuple[Array, bool]:
-        """One reading (6,) [N, Nm] of a true wrench (6,), both in sensor axes, and whether an axis is saturated."""
-        reading = wrench + self._bias + self._noise * self._random.standard_normal(6)
+    def read(self, wrench: Array, time: float) -> tuple[Array, bool]:
+        """One reading (6,) [N, Nm] of a true wrench (6,), both in sensor axes, and whether an axis is saturated.
+
+        Args:
+            wrench: true.
+            time: since the start [s].
+        """
+        reading = wrench + self._bias + self._drift * time + self._noise * self._random.standard_normal(6)
         clipped = np.minimum(np.maximum(reading, -SENSOR_RANGE), SENSOR_RANGE)
         return clipped, clipped.tolist() != reading.tolist()
 

@@ -52,9 +52,14 @@ class _Handover:
 
 
 class Bag:
-    """At most one bag; ``mass`` 0 [kg] means that there is none."""
+    """At most one bag; ``mass`` 0 [kg] means that there is none.
 
-    def __init__(self) -> None:
+    Args:
+        down: unit vector of gravity in world.
+    """
+
+    def __init__(self, down: Vector = (0.0, 0.0, -1.0)) -> None:
+        self._down = down
         self.mass = 0.0
         self._position = [0.0, 0.0, 0.0]
         self._velocity = [0.0, 0.0, 0.0]
@@ -104,8 +109,10 @@ class Bag:
         weight = self.mass * GRAVITY - self._hand.lift(dt)
         floor, drag = self._floor()
         drag = max(drag, SWING_DAMPING)
-        vertical = (floor - weight - pull[2]) / self.mass
-        for axis, acceleration in enumerate((-pull[0] / self.mass, -pull[1] / self.mass, vertical)):
+        x, y, z = self._down
+        forces = (weight * x - pull[0], weight * y - pull[1], floor + weight * z - pull[2])
+        for axis, force in enumerate(forces):
+            acceleration = force / self.mass
             slowing = 1.0 / (1.0 + drag * dt) if axis < 2 else 1.0
             self._velocity[axis] = (self._velocity[axis] + acceleration * dt) * slowing
             self._position[axis] += self._velocity[axis] * dt

@@ -38,14 +38,22 @@ class World:
         step: duration [s] of one physics step.
         start: see above.
         scene: the panel and the person, if they are there.
+        slope: rise of the floor [rad] along x and y of world, which arm and bag feel.
     """
 
-    def __init__(self, step: float, start: Mapping[str, float], scene: PanelScene | None = None) -> None:
+    def __init__(
+        self,
+        step: float,
+        start: Mapping[str, float],
+        scene: PanelScene | None = None,
+        slope: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
         self.start = start
         self.arm = Arm(step, self.start)
         self.head = Head(self.start)
-        self.base = MobileBase()
-        self.bag = Bag()
+        self._slope = slope
+        self.base = MobileBase(slope)
+        self.bag = Bag(self.base.down_in_world)
         self.gripper = Gripper()
         self.panel_scene = scene
         self.time = 0.0
@@ -61,8 +69,8 @@ class World:
         if self.panel_scene is not None:
             self.panel_scene.reset()
         self.gripper.reset()
-        self.base = MobileBase()
-        self.bag = Bag()
+        self.base = MobileBase(self._slope)
+        self.bag = Bag(self.base.down_in_world)
         self._pushes = []
         self.contact_force = [0.0, 0.0, 0.0]
         self.contact_torque = [0.0, 0.0, 0.0]
