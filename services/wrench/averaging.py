@@ -59,7 +59,7 @@ class AveragingWindow:
         duration: [s].
         noise_bound: (6,) [N, Nm] declared bound on the sensor's noise, sensor axes.
         resolution: (6,) [N, Nm] declared step of the readings, or reading up to which they are zero, 0 = unknown.
-        bias_bound: (6,) [N, Nm] declared bound on the bias: that of an axis that repeats one value while others have noise.
+        bias_bound: (6,) [N, Nm] declared bound on the bias: of an axis that repeats one value beside noisy ones.
     """
 
     def __init__(self, duration: float, noise_bound: Array, resolution: Array, bias_bound: Array) -> None:

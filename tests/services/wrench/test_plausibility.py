@@ -107,7 +107,7 @@ def test_what_is_forced_widens_the_declared_bounds_that_it_refutes() -> None:
     adopted = forced(tared, "heavy", DECLARED)
     assert adopted.warning == "heavy"
     assert adopted.tool_mass == pytest.approx(2.0) and adopted.bias_bound[2] == pytest.approx(2.0 * 9.81)
-    later = tared.replaced(bias=tared.bias + (2.0, 0, 0, 0, 0, 0))
+    later = tared.replaced(bias=tared.bias + 2.0 * np.eye(6)[0])
     drifted = forced(later, "moved", DECLARED, Former(tared, ERROR, 120.0))
     assert drifted.drift[0] == pytest.approx(1.0, abs=0.1)
     moved = tared.replaced(bias=tared.bias + 20.0)
