@@ -99,7 +99,7 @@ def _run(name: str, names: list[str], out: Path | None, parallel: int, film: boo
         runs = experiment.chosen(names)
     except ValueError as problem:
         refuse(str(problem))
-    check_port(router)
+    check_port(router, robot)
     folder = out or Path("runs") / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
     folder.mkdir(parents=True, exist_ok=True)
     stop = stop_event()

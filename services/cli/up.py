@@ -67,7 +67,7 @@ def up(
         refuse(f"--carry and --config {config}: choose one; --set goes with both")
     parsed, more, config = parse_settings(settings), check_further(further), check_config(config)
     # Last: a mistake in the command is told whatever else is running.
-    check_port(router)
+    check_port(router, robot)
     stop = stop_event()
     with Children() as children, tempfile.TemporaryDirectory(prefix="tandem-") as folder:
         if carry:

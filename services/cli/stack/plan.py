@@ -15,7 +15,8 @@ from typing import Any
 from services.cli.common import refuse
 from shared.loop.config import service_assignment
 from shared.processes import FURTHER, STACK, process_named
-from shared.wire.endpoint import DEFAULT_ENDPOINT
+from shared.wire.endpoint import DEFAULT_ENDPOINT, BusError
+from shared.wire.zenoh import ZenohBus
 
 STARTABLE = (*STACK, *FURTHER)
 """Services that a stack may have besides its router."""
@@ -115,22 +116,40 @@ def write_config(settings: Mapping[str, Mapping[str, Any]], path: Path) -> Path:
     return path
 
 
-def check_port(endpoint: str, option: str = "--router") -> None:
-    """Refuses an endpoint that is no loopback TCP address or whose port is taken."""
+def check_port(endpoint: str, robot: str) -> None:
+    """Refuses an endpoint that is no loopback TCP address or whose port is taken, and names the stack that is there."""
     protocol, _, address = endpoint.partition("/")
     host, _, port = address.rpartition(":")
     if protocol != "tcp" or not port.isdigit() or not 0 < int(port) < 65536:
-        refuse(f"{option} {endpoint}: wanted tcp/HOST:PORT, such as {DEFAULT_ENDPOINT}")
+        refuse(f"--router {endpoint}: wanted tcp/HOST:PORT, such as {DEFAULT_ENDPOINT}")
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             probe.bind((host, int(port)))
         except OSError as problem:
+            there = ", ".join(sorted(_living(endpoint, robot)))
+            first = (
+                f"{there} of robot {robot} run there. To take over, end that stack first (Ctrl-C where it runs)."
+                if there
+                else "is another program running there?"
+            )
             refuse(
-                f"port {port} on {host} cannot be used ({problem.strerror}): is another tandem running there? "
-                f"Choose another one: {option} tcp/127.0.0.1:{int(port) + 1}",
+                f"port {port} on {host} cannot be used ({problem.strerror}): {first} "
+                f"Or choose another one: --router tcp/127.0.0.1:{int(port) + 1}",
                 status=1,
             )
+
+
+def _living(endpoint: str, robot: str) -> set[str]:
+    """Services of a robot that live at an endpoint, as far as a router answers there."""
+    try:
+        bus = ZenohBus(robot, endpoint, give_up=lambda: True)
+    except BusError:
+        return set()
+    try:
+        return bus.living()
+    finally:
+        bus.close()
 
 
 def _memory(robot: str, endpoint: str) -> Path:

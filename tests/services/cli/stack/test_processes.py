@@ -125,7 +125,7 @@ def test_a_killed_controller_is_named_and_can_be_started_again(stack: Process, e
 def test_a_second_stack_on_the_same_port_is_refused(stack: Process, endpoint: str) -> None:
     done = tandem("up", "--router", endpoint)
     assert done.returncode == 1
-    assert "cannot be used" in done.stderr
+    assert "cannot be used" in done.stderr and "sim, wrench of robot tiago run there" in done.stderr
 
 
 def test_everything_ends_with_it(stack: Process, endpoint: str) -> None:
