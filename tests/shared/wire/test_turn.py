@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from shared.topics import CONTROL_TARGET
 from shared.wire.client import Client
 from shared.wire.local import LocalBus, Scheduler
@@ -32,12 +34,13 @@ class Room:
             self.scheduler.run_until(self.scheduler.clock.now_ns() + 100_000_000)
 
 
-def test_who_comes_second_is_told_who_is_first_and_the_first_one_goes_on() -> None:
+@pytest.mark.parametrize("listens", [0.3, 1.0] * 4)  # whichever session is the lower
+def test_who_comes_second_is_told_who_is_first_and_the_first_one_goes_on(listens: float) -> None:
     room = Room()
     first = room.enter("hold")
     room.run(3.0, "hold")
     second = room.enter("identify")
-    room.run(0.3, "hold")
+    room.run(listens, "hold")
     assert second.taken() == "hold" and not first.taken()
     room.run(2.0, "hold", "identify")
     assert second.taken() == "hold" and not first.taken(), "also if it does not care"
