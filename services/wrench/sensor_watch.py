@@ -79,7 +79,7 @@ class _Axis:
 
     def _left(self, value: float, change: float) -> None:
         """Another value: what the last one's stay says."""
-        if self.repeats >= self.needed() and not self.stuck:
+        if self.repeats >= FEWEST_REPEATS and not self.stuck and self.repeats >= self.needed():
             self.rest, self.gap = self.value, math.inf
         if self.readings >= REMEMBERED:
             self.readings, self.changes, self.turns = self.readings / 2, self.changes / 2, self.turns / 2

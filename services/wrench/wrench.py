@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
 from services.wrench.averaging import Average, AveragingWindow
-from services.wrench.compensation import Compensation, payload_wrench, transport, upright
+from services.wrench.compensation import Compensation, transport, upright, weight_of_up
 from services.wrench.error_bound import bias_error, error_bound
 from services.wrench.identification import IdentifiedPayload
 from services.wrench.lowpass import LowPass
@@ -210,12 +212,10 @@ class Wrench(Service[WrenchParameters]):
 
     def _least_weight(self, standing: Array, offset: Array) -> Array:
         """Weight (6,) beyond the sensor: as identified, else what is there at least if anything is, sensor axes."""
-        weight = self.compensation.weight(standing)
-        if weight is not None:
-            return weight
-        mass, far = LIGHTEST * self.parameters.tool_mass, float(np.linalg.norm(offset))
-        lever = max(0.0, 1.0 - self.parameters.tool_reach / far) if far > 0.0 else 0.0
-        return payload_wrench(mass, mass * lever * offset, standing)
+        known = self.compensation
+        if known.kind != "payload":
+            known = _lightest(self.parameters.tool_mass, self.parameters.tool_reach, *offset.tolist())
+        return weight_of_up(known).dot(standing[2])
 
     def _configured(self, parameters: WrenchParameters, reload: bool) -> None:
         if reload:
@@ -288,3 +288,11 @@ class Wrench(Service[WrenchParameters]):
             self._journal.problem = str(problem)
             return ""
         return str(path)
+
+
+@lru_cache(maxsize=4)
+def _lightest(mass: float, reach: float, *offset: float) -> Compensation:
+    """The tool with the least weight and the shortest lever that are taken for one, by what is declared of it."""
+    far = math.hypot(*offset)
+    lever = LIGHTEST * mass * (max(0.0, 1.0 - reach / far) if far > 0.0 else 0.0)
+    return Compensation("payload", mass=LIGHTEST * mass, moment=lever * np.array(offset))
