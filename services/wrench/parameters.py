@@ -40,7 +40,7 @@ class WrenchParameters(Parameters):
         "N, Nm per minute",
         0.0,
         100.0,
-        "bound on how fast the zero of the sensor drifts, once it is warm; docs/wrench.md has a table of real ones",
+        "bound on how fast the zero of the sensor drifts, once it is warm; docs/sensing.md has a table of real ones",
     )
     zero_survives_restart: bool = option(
         False, "the sensor keeps its zero while the robot process restarts, which nobody but its maker can promise"
