@@ -23,6 +23,7 @@ Forces that accelerate the mass beyond the sensor are not in this bound: the con
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -32,6 +33,7 @@ from shared.spatial import GRAVITY, Array
 NO_ZERO = -1.0
 """Age of a bias that was not measured in this run of the robot process."""
 _MINUTE = 60.0  # [s]
+_HALVES = np.kron(np.eye(2), np.ones((3, 1)))  # sums the first and the last three elements
 
 
 def bias_error(compensation: Compensation, age: float, drift: Array, bias_bound: Array) -> Array:
@@ -94,11 +96,11 @@ def error_bound(
     x, y, z = gravity.tolist()
     if compensation.kind == "payload":
         # The wrong weight acts at the sensor's origin, straight down; what its moment is wrong by turns about the rest.
-        wrong = compensation.mass_error * to_tool[:, :3]
-        weight = GRAVITY * np.abs(wrong.dot(gravity.dot(rotation))) + slope * _lengths(wrong)
-        across = GRAVITY * np.array((math.hypot(y, z), math.hypot(x, z), math.hypot(x, y)))
-        weight[3:] += compensation.moment_error * (across + slope)
-        weight += (2.0 * slope / GRAVITY) * _lengths(to_tool.dot(weight_of_up(compensation)))
+        weights = to_tool.dot(_weights(compensation))
+        lengths = np.sqrt((weights * weights).dot(_HALVES))
+        weight = np.abs(weights[:, 3:].dot(gravity.dot(rotation))) + lengths.dot((2.0 * slope, slope)) / GRAVITY
+        across = (math.hypot(y, z), math.hypot(x, z), math.hypot(x, y))
+        weight[3:] += [compensation.moment_error * (GRAVITY * part + slope) for part in across]
     else:
         mass, reach = tool
         if compensation.kind == "tare":
@@ -110,6 +112,8 @@ def error_bound(
     return np.abs(to_tool).dot(box) + weight
 
 
-def _lengths(rows: Array) -> Array:
-    """Euclidean norms of the rows."""
-    return np.sqrt((rows * rows).sum(axis=1))
+@lru_cache(maxsize=4)
+def _weights(compensation: Compensation) -> Array:
+    """Matrix (6, 6) that acts on two directions in sensor axes: the known weight of one, the mass error of the other."""
+    wrong = np.vstack((compensation.mass_error * GRAVITY * np.eye(3), np.zeros((3, 3))))
+    return np.hstack((weight_of_up(compensation), wrong))
