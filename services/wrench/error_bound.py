@@ -114,6 +114,6 @@ def error_bound(
 
 @lru_cache(maxsize=4)
 def _weights(compensation: Compensation) -> Array:
-    """Matrix (6, 6) that acts on two directions in sensor axes: the known weight of one, the mass error of the other."""
+    """Matrix (6, 6) that acts on two directions in sensor axes: one's known weight, the other's mass error."""
     wrong = np.vstack((compensation.mass_error * GRAVITY * np.eye(3), np.zeros((3, 3))))
     return np.hstack((weight_of_up(compensation), wrong))

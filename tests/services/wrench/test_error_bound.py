@@ -161,6 +161,23 @@ def test_a_payload_that_was_identified_on_a_ramp_is_within_its_bound_elsewhere(t
         assert np.all(np.abs(error) <= without_noise)
 
 
+@pytest.mark.parametrize("kind", ["tare", "payload"])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_who_turns_round_on_a_ramp_needs_the_tilt_twice_and_no_more(kind: str, axis: int) -> None:
+    turn = 0.005 * np.eye(3)[axis]
+    # A mass as heavy and as far from the tool as is declared.
+    sensor = Sensor(mass=0.83, com=TOOL_OFFSET - (0.0, 0.0, 0.1), gravity=rotation_from_vector(turn) @ DOWN)
+    moment, zeros = sensor.mass * sensor.com, np.zeros(6)
+    known = Compensation("payload", mass=sensor.mass, moment=moment) if kind == "payload" else Compensation()
+    known = known.tared(sensor.exact(LEVEL), zeros, zeros, LEVEL)
+    sensor.gravity = rotation_from_vector(-turn) @ DOWN
+    error = np.abs(external_wrench(sensor.exact(LEVEL), known, LEVEL, TOOL_OFFSET))
+    without_noise = bound(known, LEVEL, tilt=0.005) - transported(NOISE_BOUND, LEVEL)
+    felt = error > 1e-6
+    assert felt.sum() == 2 and np.all(error <= without_noise)
+    assert error[felt] == pytest.approx(without_noise[felt], rel=1e-3)
+
+
 def test_bias_error_grows_with_age_up_to_that_of_a_sensor_without_a_zero() -> None:
     tared = Compensation("tare", bias_error=0.1 * np.ones(6))
     drift = np.full(6, 0.2)
