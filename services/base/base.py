@@ -43,6 +43,7 @@ class Base(Service[BaseParameters]):
         self._velocity: Planar = REST
         self._unused = 0.0
         self._note = ""
+        self._robot: RobotStatus | None = None
 
     def step(self, inputs: Inputs, dt: float) -> Iterator[Output]:
         """The velocity that the newest wrench leads to, then the status."""
@@ -52,12 +53,12 @@ class Base(Service[BaseParameters]):
         robot = inputs[topics.STATE_ROBOT].message
         enabled = self._enabled(inputs)
         stopped = f"the robot is stopped: {robot.reason}" if robot.mode == "stopped" else ""
-        self._note = self._halt.reason or stopped
+        stuck = "" if (robot.max_base > 0.0).any() else f"{topics.STATE_ROBOT.key}.max_base is zero: it cannot move"
+        self._note = self._halt.reason or stopped or (stuck if enabled else "")
+        self._robot = robot
         following = enabled and not self._note
         if following:
             velocity = self._body.follow(self._velocity, drive, self._limits(robot), dt)
-            if not (robot.max_base > 0.0).any():
-                self._note = f"{topics.STATE_ROBOT.key}.max_base is zero: the base cannot move"
         else:
             velocity = self._body.brake(self._velocity, dt)
         # A robot that begins to allow less is obeyed at once, whatever deceleration that takes.
@@ -91,8 +92,9 @@ class Base(Service[BaseParameters]):
         )
 
     def notes(self) -> str:
-        """Why the base rests although the task may have enabled it; empty if it need not."""
-        return self._note
+        """Why the base rests although the task may have enabled it, and which parameters have no effect."""
+        ignored = self.parameters.ignored(self._robot) if self._robot else ""
+        return "; ".join(filter(None, (self._note, ignored)))
 
     def _feel(self, inputs: Inputs) -> Planar:
         """The wrench about the base's origin, beyond the dead band."""

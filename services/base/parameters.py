@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from shared.messages import RobotStatus
 from shared.parameters import Parameters, parameter
 
 
@@ -28,3 +29,15 @@ class BaseParameters(Parameters):
     max_delay: float = parameter(
         0.05, "s", 1e-3, 0.2, "bound on how much later than the fastest one an input may arrive"
     )
+
+    def ignored(self, robot: RobotStatus) -> str:
+        """What was set and has no effect with this robot, in words; empty if all has."""
+        allowed = {"max_linear": robot.max_base[:2].max(), "max_angular": robot.max_base[2]}
+        found = [f"{name} is above what the robot allows, {most:g}" for name, most in allowed.items()
+                 if name in self.model_fields_set and getattr(self, name) > most]  # fmt: skip
+        if "max_reverse" in self.model_fields_set:
+            if robot.base_type == "omni":
+                found.append("max_reverse has no effect on an omni base")
+            elif self.max_reverse > self.max_linear:
+                found.append(f"max_reverse has no effect above max_linear, {self.max_linear:g}")
+        return "; ".join(found)

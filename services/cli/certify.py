@@ -1,10 +1,14 @@
-"""`tandem certify`: what the certified law guarantees, for the running controller or for given options."""
+"""`tandem certify`: what the certified law guarantees, for the running controller or for given options.
+
+Of a running one it takes the limits in force and the error bound as they are now, and says whose they are.
+"""
 
 from __future__ import annotations
 
 import json
 import os
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,11 +20,13 @@ from services.controller.guarantee import as_map, as_text
 from services.controller.parameters import ControllerParameters
 from shared import topics
 from shared.loop.config import Misconfigured, service_parameters
+from shared.messages import ControlStatus, ControlTarget, ExternalWrench, TaskStatus
 from shared.parameters import Refused
 from shared.spatial import Array, rotation_matrix
 from shared.wire.bus import NoReply
 from shared.wire.client import Client
 from shared.wire.endpoint import BusError
+from shared.wire.subscription import Received
 from shared.wire.zenoh import ZenohBus
 
 FOUND_WITHIN = 1.0  # [s]
@@ -53,7 +59,7 @@ def certify(
     chosen = offline or config is not None or bool(settings)
     running = None if chosen else _running(robot, connect)
     if running is not None:
-        typer.echo(f"for the controller that runs as {robot} on {connect}", err=True)
+        typer.echo(f"for the controller that runs as {robot} on {connect}: {running.said}", err=True)
     elif not chosen:
         typer.echo(f"no controller answers as {robot} on {connect}: for the default parameters", err=True)
     try:
@@ -62,7 +68,7 @@ def certify(
             parameters = service_parameters("controller", ControllerParameters, file, settings)
             limit, error_bound = np.array(LIMIT), np.array(ERROR_BOUND)
         else:
-            parameters, limit, error_bound = running
+            parameters, limit, error_bound = running.parameters, running.limit, running.error_bound
         for part, into, option, text in (
             (slice(3), limit, "--force-limit", force_limit),
             (slice(3, 6), limit, "--torque-limit", torque_limit),
@@ -78,8 +84,18 @@ def certify(
         refuse(" ".join(str(problem).split()))
 
 
-def _running(robot: str, connect: str) -> tuple[ControllerParameters, Array, Array] | None:
-    """Parameters, limits and error bound (6,) of the running controller; None if there is none."""
+@dataclass(frozen=True)
+class Running:
+    """What a running system says: parameters, limits and error bound (6,) [N, Nm], and in words whose these are."""
+
+    parameters: ControllerParameters
+    limit: Array
+    error_bound: Array
+    said: str
+
+
+def _running(robot: str, connect: str) -> Running | None:
+    """What the running controller is to be certified with; None if there is none."""
     deadline = time.monotonic() + FOUND_WITHIN
     try:
         bus = ZenohBus(robot, connect, give_up=lambda: time.monotonic() > deadline)
@@ -87,21 +103,59 @@ def _running(robot: str, connect: str) -> tuple[ControllerParameters, Array, Arr
         return None
     try:
         client = Client(bus)
-        target, wrench = client.watch(topics.CONTROL_TARGET), client.watch(topics.WRENCH_EXTERNAL)
+        status, wrench = client.watch(topics.CONTROL_STATUS), client.watch(topics.WRENCH_EXTERNAL)
+        target, task = client.watch(topics.CONTROL_TARGET), client.watch(topics.TASK_STATUS)
         table = client.ask(topics.CONTROL_PARAMETERS, {}, FOUND_WITHIN)["parameters"]
-        while (target.latest is None or wrench.latest is None) and time.monotonic() < deadline:
+        heard = status, wrench, target, task
+        while any(one.latest is None for one in heard) and time.monotonic() < deadline:
             time.sleep(0.02)
-        limit, error_bound = np.array(LIMIT), np.array(ERROR_BOUND)
-        if target.latest is not None:
-            asked = target.latest.message
-            limit = np.concatenate((asked.force_limit, asked.torque_limit))
-        if wrench.latest is not None:
-            error_bound = np.array(wrench.latest.message.error_bound)
-        return parameters_of(table), limit, error_bound
+        latest = status.latest, wrench.latest, target.latest, task.latest
+        return running(parameters_of(table), *latest, now_ns=client.clock.now_ns())
     except (NoReply, Refused):
         return None
     finally:
         bus.close()
+
+
+def running(
+    parameters: ControllerParameters,
+    status: Received[ControlStatus] | None,
+    wrench: Received[ExternalWrench] | None,
+    target: Received[ControlTarget] | None,
+    task: Received[TaskStatus] | None,
+    now_ns: int,
+) -> Running:
+    """What was heard, each with its age; what nobody says is assumed, and that is said."""
+    limit, error_bound = np.array(LIMIT), np.array(ERROR_BOUND)
+    law = "" if parameters.law == "certified" else f"it runs law {parameters.law}, which promises none of this; "
+    whose = f"limits {LIMIT[0]:g} N, {LIMIT[3]:g} Nm assumed, no target is in force"
+    if status is not None and status.message.limit is not None and status.message.limit.any():
+        limit = status.message.limit.copy()
+        state, sender = status.message.state, _sender(target, task)
+        whose = f"limits in force of the running controller ({state}), {_age(status, now_ns)}, target by {sender}"
+    bound = f"error bound {ERROR_BOUND[0]:g} N, {ERROR_BOUND[3]:g} Nm assumed, no wrench is heard"
+    if wrench is not None:
+        error_bound = wrench.message.error_bound.copy()
+        doubt = "" if wrench.header.valid else f", which is not valid ({wrench.message.fault or 'no fault named'})"
+        bound = f"error bound of wrench/external, {_age(wrench, now_ns)}{_zero(wrench.message)}{doubt}"
+    return Running(parameters, limit, error_bound, f"{law}{whose}; {bound}")
+
+
+def _age(received: Received[Any], now_ns: int) -> str:
+    return f"{(now_ns - received.arrival_ns) * 1e-9:.1f} s old"
+
+
+def _zero(wrench: ExternalWrench) -> str:
+    if wrench.zero_age is None:
+        return ""
+    return f", zero {wrench.zero_age / 60:.0f} min old" if wrench.zero_age >= 0.0 else ", no zero of this run"
+
+
+def _sender(target: Received[ControlTarget] | None, task: Received[TaskStatus] | None) -> str:
+    """Who sends the target: a process sends all its topics in one session."""
+    if target is None:
+        return "somebody who is silent now"
+    return "task" if task is not None and task.header.session == target.header.session else "another program"
 
 
 def parameters_of(table: dict[str, dict[str, Any]]) -> ControllerParameters:

@@ -126,7 +126,24 @@ def test_a_robot_that_cannot_move_its_base_is_told_of() -> None:
     rig.max_base = (0.0, 0.0, 0.0)
     rig.push(fx=9.0)
     rig.run(1.5)
-    assert rig.resting and "max_base" in rig.base.notes()
+    assert rig.resting and rig.status.state == "off" and "max_base" in rig.base.notes()
+
+
+@pytest.mark.parametrize(
+    ("base_type", "given", "words"),
+    [
+        ("omni", {"max_reverse": 0.3}, "no effect on an omni base"),
+        ("differential", {"max_reverse": 0.3}, ""),
+        ("differential", {"max_reverse": 0.6}, "no effect above max_linear, 0.4"),
+        ("omni", {"max_linear": 0.9}, "max_linear is above what the robot allows, 0.5"),
+        ("omni", {}, ""),
+    ],
+)
+def test_health_names_parameters_that_have_no_effect_with_this_robot(base_type: str, given: dict, words: str) -> None:
+    rig = Rig(base_type, **given)
+    rig.max_base = (0.5, 0.5, 2.0)
+    rig.run(1.0)
+    assert words in rig.base.notes() if words else rig.base.notes() == ""
 
 
 @pytest.mark.parametrize("missing", [None, "wrench_on", "robot_on", "status_on"])

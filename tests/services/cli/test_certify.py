@@ -5,12 +5,16 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from services.cli.certify import parameters_of
+from services.cli.certify import LIMIT, parameters_of, running
 from services.controller.parameters import ControllerParameters
 from shared.loop.config import service_parameters
+from shared.messages import ControlStatus, ControlTarget, ExternalWrench, Header, TaskStatus
+from shared.schema.records import Record
 from shared.wire.codec import decode_map, encode_map
+from shared.wire.subscription import Received
 from tests.conftest import Router, StartProcess
 from tests.services.cli.command import tandem_here
 from tests.support.wait import eventually
@@ -94,6 +98,35 @@ def test_refusals_are_one_line_with_status_2(
     assert done.returncode == 2
     (line,) = done.stderr.splitlines()
     assert all(part in line for part in parts), line
+
+
+def heard(message: Record, session: int, age: float, valid: bool = True) -> Received:
+    return Received(1, Header(1, session, 0, valid), message, round(-age * 1e9), 0.0)
+
+
+SIX, STILL = (0.0,) * 6, ((0.0,) * 3, (0.0, 0.0, 0.0, 1.0))
+STATUS = ControlStatus("yielding", "", "certified", SIX, SIX, SIX, 0.0, 0.0, 0.0, limit=(9.0,) * 6, nominal=SIX)
+TARGET = heard(ControlTarget(*STILL, (5.0,) * 3, (1.0,) * 3), 7, 0.1)
+WRENCH = ExternalWrench(SIX[:3], SIX[:3], (0.5,) * 6, "tare", "stuck", zero_age=600.0)
+
+
+def test_of_a_running_system_the_limits_in_force_count_and_whose_they_are_is_said() -> None:
+    task = heard(TaskStatus("carrying", 0.0, "", 0.0, 0.0, None), 7, 0.2)
+    found = running(
+        ControllerParameters(), heard(STATUS, 1, 0.25), heard(WRENCH, 2, 3.0, False), TARGET, task, now_ns=0
+    )
+    assert np.array_equal(found.limit, [9.0] * 6) and np.array_equal(found.error_bound, [0.5] * 6)
+    for words in ("(yielding), 0.2 s old", "target by task", "3.0 s old, zero 10 min old", "not valid (stuck)"):
+        assert words in found.said
+    other = running(ControllerParameters(law="paper"), heard(STATUS, 1, 0.2), None, TARGET, None, now_ns=0)
+    assert "target by another program" in other.said and "law paper, which promises none of this" in other.said
+    assert "0.1 Nm assumed, no wrench is heard" in other.said
+
+
+def test_without_a_target_limits_are_assumed_and_that_is_said() -> None:
+    waiting = ControlStatus("waiting", "", "certified", SIX, SIX, SIX, 0.0, 0.0, 0.0, limit=SIX, nominal=SIX)
+    found = running(ControllerParameters(), heard(waiting, 1, 0.1), None, None, None, now_ns=0)
+    assert found.limit.tolist() == list(LIMIT) and "25 N, 10 Nm assumed, no target is in force" in found.said
 
 
 @pytest.mark.processes
