@@ -116,7 +116,7 @@ class Controller(Service[ControllerParameters]):
             notes.append(f"{CONTROL_TARGET.key}: {self._refused}; the last valid one stays in force")
         if self._show_failure > 0.0 and self.law.last_failure is not None:
             data = json.dumps(self.law.last_failure, default=str)
-            notes.append(f"{self._failures} ticks braked for a failed quadratic program, the last one: {data}")
+            notes.append(f"{self._failures} ticks without an answer of the quadratic program, the last one: {data}")
         return "; ".join(notes)
 
     def _listen(self, inputs: Inputs) -> None:

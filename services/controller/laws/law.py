@@ -51,7 +51,7 @@ class LawInput:
     rotation: Array
     target_position: Array
     target_rotation: Array
-    nominal: Array = field(default_factory=lambda: np.zeros(6))
+    nominal: Array = field(default_factory=lambda: _ZERO)
 
 
 @dataclass(slots=True)
