@@ -8,7 +8,7 @@ from services.task.faults import Impairment, TaskFault
 from services.task.geometry import Pose
 from services.task.parameters import TaskParameters
 from services.task.states import UNSURE, Observation
-from services.task.vision.marker_tracker import MarkerTracker
+from services.task.vision.sight import Sight
 from shared import topics
 from shared.clock import in_words, seconds
 from shared.messages import Header
@@ -36,10 +36,10 @@ class Observer:
         self._status: Header | None = None
         self._period = 0.0
 
-    def look(self, inputs: Inputs, tracker: MarkerTracker) -> tuple[Observation, list[TaskFault]]:
+    def look(self, inputs: Inputs, sight: Sight) -> tuple[Observation, list[TaskFault]]:
         """What is known now, and what is wrong."""
         tool = inputs[topics.STATE_EE]
-        doubt = _doubt(inputs, tracker)
+        doubt = _doubt(inputs, sight.tracker.doubt)
         faults = [
             fault
             for fault in (
@@ -64,8 +64,11 @@ class Observer:
             wrench=None if numb or wrench is None else np.concatenate((wrench.message.force, wrench.message.torque)),
             gripper=None if unsure or gripper is None else gripper.message,
             unsure=unsure or UNSURE,
-            marker=tracker.pose,
-            doubt=doubt,
+            marker=sight.tracker.pose,
+            doubt=doubt or sight.proof.doubt,
+            proven=sight.proof.proven,
+            turn=sight.proof.turn,
+            nudge=sight.nudge,
             guarded=self._guarded(inputs.get(topics.CONTROL_STATUS)),
             robot="" if robot is None or robot.age > topics.STATE_ROBOT.max_age else robot.message.reason,
         )
@@ -131,9 +134,9 @@ def _controller(inputs: Inputs) -> TaskFault | None:
     return TaskFault("target_taken", who) if who else None
 
 
-def _doubt(inputs: Inputs, tracker: MarkerTracker) -> TaskFault | None:
+def _doubt(inputs: Inputs, doubt: TaskFault | None) -> TaskFault | None:
     """Why there is no marker pose to trust: where no image is looked at, that may be since none fits."""
-    doubt, refused = tracker.doubt, inputs.refused(topics.SENSOR_CAMERA)
+    refused = inputs.refused(topics.SENSOR_CAMERA)
     unseen = doubt is not None and doubt.name in ("camera_never", "camera_silent")
     return TaskFault("camera_refused", refused) if unseen and refused else doubt
 

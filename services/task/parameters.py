@@ -9,6 +9,9 @@ from services.task.geometry import QUARTER
 from shared.parameters import Parameters, Refused, Vector3, option, parameter
 from shared.spatial import GRAVITY
 
+SAME_IN_A_MIRROR = (8, 9, 17, 47)
+"""Numbers of DICT_4X4_50 that read the same in a mirrored picture, in which nothing is where it seems to be."""
+
 
 class TaskParameters(Parameters):
     """What is carried, how it is found and grasped, within which limits, and how long to wait for what is missing."""
@@ -16,7 +19,12 @@ class TaskParameters(Parameters):
     marker_id: int = parameter(7, "", 0, 49, "number of the marker, DICT_4X4_50")
     marker_size: float = parameter(0.15, "m", 0.02, 1.0, "side of the marker's printed black square")
     marker_error: float = parameter(0.5, "px", 0.01, 10.0, "largest reprojection error (rms) of its corners")
-    marker_ambiguity: float = parameter(2.0, "1", 1.0, 100.0, "how many times worse the other tilt has to fit")
+    marker_accuracy: float = parameter(
+        0.1, "px", 0.01, 2.0, "standard deviation to which a coordinate of a corner is measured"
+    )
+    head_accuracy: float = parameter(
+        3e-4, "rad", 0.0, 0.02, "standard deviation to which the head's joints know where the camera looks, at best"
+    )
     marker_jump: float = parameter(0.05, "m", 1e-3, 1.0, "largest step between two accepted images")
     marker_jump_angle: float = parameter(0.2, "rad", 1e-3, 3.0, "largest turn between two accepted images")
     marker_max_age: float = parameter(0.5, "s", 0.05, 2.0, "age of an image up to which its pose is used")
@@ -90,11 +98,16 @@ class TaskParameters(Parameters):
     max_delay: float = parameter(0.1, "s", 1e-3, 1.0, "bound on how much later than the fastest one a pose may arrive")
 
     def check(self) -> None:
-        """Refuse a gripper that cannot open wider than the panel.
+        """Refuse a gripper that cannot open wider than the panel, and a marker that does not show a mirrored picture.
 
         Raises:
-            Refused: with both numbers.
+            Refused: with what is allowed.
         """
+        if self.marker_id in SAME_IN_A_MIRROR:
+            raise Refused(
+                f"marker_id is {self.marker_id}, which reads the same in a mirrored picture, as do "
+                f"{', '.join(map(str, SAME_IN_A_MIRROR))}: print another one"
+            )
         if self.gripper_open < self.panel_thickness + self.grasp_width:
             raise Refused(
                 f"gripper_open is {self.gripper_open} m, wanted at least panel_thickness + grasp_width = "

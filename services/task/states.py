@@ -44,7 +44,10 @@ class Observation:
         gripper: its state.
         unsure: why that is not known, where it is not.
         marker: the marker in base, from a fresh image.
-        doubt: why there is no marker pose.
+        doubt: why there is no marker pose that may be gone by.
+        proven: whether the camera has shown the marker in the same place of base from several views.
+        turn: pan and tilt [rad] that the head has to turn for these views, from where it looks; None without a marker.
+        nudge: the same [rad] for a picture that differs from the last one.
         guarded: whether a controller keeps the limits at this instant; the base must not follow while none does.
         robot: why the robot does not move as commanded, in its own words.
     """
@@ -58,6 +61,9 @@ class Observation:
     unsure: TaskFault = UNSURE
     marker: Pose | None = None
     doubt: TaskFault | None = None
+    proven: bool = False
+    turn: tuple[float, float] | None = None
+    nudge: float = 0.0
     guarded: bool = False
     robot: str = ""
 

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from services.task.faults import TaskFault
-from services.task.geometry import Pose
 from services.task.grasp import SLIPPED_AFTER
 from services.task.journal import Journal, boot_id, judge
 from services.task.machine import StateMachine
@@ -15,16 +14,14 @@ from services.task.outbox import Outbox
 from services.task.parameters import TaskParameters
 from services.task.states import Decision, Observation, State
 from services.task.timers import Sustained
-from services.task.vision.detection import BadImage, Detector
-from services.task.vision.marker_tracker import MarkerTracker
+from services.task.vision.sight import Sight
 from shared import topics
-from shared.clock import seconds
 from shared.faults import Fault, FaultKind
 from shared.messages import Enable, MarkerPose, TaskStatus
 from shared.parameters import Refused
 from shared.requests import TaskAnswer, TaskCommand
 from shared.schema.records import Record
-from shared.service import Inputs, Output, Reading, Reply, Service, Wiring
+from shared.service import Inputs, Output, Reply, Service, Wiring
 
 PERIOD = 0.02  # [s] of a step: the loops of level assist and nominal wrench change within tenths of seconds
 _JOURNAL_EVERY = 1.0  # [s] between two entries, besides those at each change of state
@@ -71,10 +68,8 @@ class Task(Service[TaskParameters]):
         self._lost = Sustained(SLIPPED_AFTER)
         self.machine = StateMachine(parameters)
         self._observer = Observer(parameters)
-        self._tracker = MarkerTracker(parameters)
-        self._detector = Detector(parameters.marker_size)
+        self._sight = Sight(parameters)
         self._outbox = Outbox(parameters)
-        self._shown = b""
         self._height = 0.0
         self._session = 0
         self._journalled: object = None
@@ -82,8 +77,8 @@ class Task(Service[TaskParameters]):
 
     def step(self, inputs: Inputs, dt: float) -> Iterator[Output]:
         """Commands, then status, then what takes time: the image and the journal."""
-        self._tracker.advance(dt)
-        seen, faults = self._observer.look(inputs, self._tracker)
+        self._sight.advance(dt)
+        seen, faults = self._observer.look(inputs, self._sight)
         self._height = float(seen.tool.position[2])
         if not self.machine.ready and not self._resume(seen, dt):
             yield from self._outputs(Decision(self.machine.reason), dt)
@@ -99,7 +94,7 @@ class Task(Service[TaskParameters]):
             # The last target stays in force and the gripper closed; only the base must not go on.
             yield Output(topics.BASE_ENABLE, Enable(False))
             return
-        self._tracker.advance(dt)
+        self._sight.advance(dt)
         name = "internal" if fault.kind is FaultKind.INTERNAL else "tool"
         decision = self.machine.step(None, [TaskFault(name, fault.text)], dt)
         if not self.machine.ready:
@@ -146,33 +141,20 @@ class Task(Service[TaskParameters]):
         return True
 
     def _outputs(self, decision: Decision, dt: float) -> Iterator[Output]:
-        machine, pose = self.machine, self._tracker.pose
+        machine, pose = self.machine, self._sight.marker
         yield from self._outbox.commands(machine.state, decision, dt)
         if self._outbox.status_due(machine.state, dt):
-            marker = MarkerPose(pose.position, pose.orientation, self._tracker.age) if pose else None
+            marker = MarkerPose(pose.position, pose.orientation, self._sight.tracker.age) if pose else None
             says = (machine.state.value, machine.since, machine.reason, machine.rotation, self._height, marker)
             yield Output(topics.TASK_STATUS, TaskStatus(*says))
 
     def _look_for_marker(self, inputs: Inputs) -> None:
         if self.machine.state not in _LOOKING:
-            self._tracker.reset()
+            self._sight.reset()
             return
         reading = inputs.get(topics.SENSOR_CAMERA)
-        if reading is None or not reading.new:
-            return
-        image = reading.message
-        # No two pictures of a camera are the same: one that stands still under fresh stamps shows where the panel was.
-        repeated, self._shown = image.data == self._shown, image.data
-        if not reading.header.valid or repeated:
-            self._tracker.broken("always the same one" if repeated else "marked invalid")
-            return
-        camera = Pose.of(image.position, image.orientation)
-        try:
-            found = self._detector.find(image, self._tracker.known(camera))
-        except BadImage as problem:
-            self._tracker.broken(str(problem))
-            return
-        self._tracker.look(found, camera, _age(reading, inputs[topics.STATE_EE]))
+        if reading is not None and reading.new:
+            self._sight.look(reading, inputs[topics.STATE_EE])
 
     def _record(self, dt: float) -> None:
         """Keep the journal: once a second while something is held, and whenever what matters has changed."""
@@ -184,14 +166,3 @@ class Task(Service[TaskParameters]):
             return
         self._journalled, self._journal_due = what, _JOURNAL_EVERY
         self._journal.write(self._session, entry, self._now())
-
-
-def _age(image: Reading, tool: Reading) -> float:
-    """Time [s] since an image was taken.
-
-    A reading's age is referred to the fastest message since the subscription began, so that a camera that lags all the
-    time would show the past as the present. Where one process publishes image and pose their stamps are of one clock.
-    """
-    if image.header.session != tool.header.session:
-        return image.age
-    return max(image.age, tool.age + seconds(tool.header.stamp - image.header.stamp))

@@ -96,7 +96,7 @@ _ROBOT: dict[str, Any] = {
     "optional": RobotSide.INPUTS,
     "world": worlds.commander,
 }
-_TROUBLE = ("restarted", "controller brakes", "of no use")
+_TROUBLE = ("restarted", "controller brakes", "of no use", "cannot be read")
 
 SUBJECTS = (
     Subject("router"),

@@ -8,8 +8,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from services.task.faults import TaskFault
 from services.task.geometry import Pose
-from services.task.vision.marker_tracker import Candidate, Solution
+from services.task.vision.headers import jpeg_header, png_header
+from services.task.vision.marker_tracker import SAME_ANGLE, Candidate, Solution
+from services.task.vision.projection import SQUARE
 from services.task.vision.subpixel_edges import MODULES, refined
 from shared.messages import CameraImage
 from shared.spatial import Array, rotation_from_vector, rotation_vector
@@ -20,16 +23,29 @@ DICTIONARY = cv2.aruco.DICT_4X4_50
 _CORNER_WINDOW = 5  # [px] half the side of the window in which a corner is refined at first
 _WINDOW_SHARE = 0.3  # [1] of a marker's module that half a window is at most
 _MODULE_SAMPLES = np.linspace(0.3, 0.7, 5)  # [1] of a module at which its brightness is read
-_RGB_CHANNELS = 3
 MOST_PIXELS = 4_000_000  # more would keep the task from its other work for longer than a tenth of a second
 LONGEST_SIDE = 8_000  # [px], OpenCV's sampling ends at 32767
-_JPEG_START, _JPEG_FILL, _JPEG_SCAN = b"\xff\xd8", 0xFF, 0xDA
-_JPEG_FRAMES = frozenset(range(0xC0, 0xD0)) - {0xC4, 0xC8, 0xCC}  # have the size; the three others define tables
-_JPEG_WITHOUT_LENGTH = frozenset((0x01, *range(0xD0, 0xD9)))
+_RAW = {"rgb8": (3, cv2.COLOR_RGB2GRAY), "bgr8": (3, cv2.COLOR_BGR2GRAY), "mono8": (1, None)}
+"""Channels of each uncompressed encoding, and how they become grey."""
+_HEADERS = {"jpeg": jpeg_header, "png": png_header}
+_LENSES = {"plumb_bob": (0, 4, 5), "rational_polynomial": (0, 8)}
+"""Numbers of coefficients of each model, as ROS names them."""
+_FISHEYES = ("equidistant", "fisheye", "kannala_brandt")
+_RECTIFY = "rectify the picture, and send its own intrinsics and no distortion with it"
+_ZOOM = 100.0  # [1] of a focal length to the picture's width at most, and the other way round
+_BLANK = 3.0  # [of 255] of standard deviation below which a picture shows nothing
 
 
 class BadImage(ValueError):
-    """An image that cannot be decoded; the text says why."""
+    """An image of no use.
+
+    Attributes:
+        fault: what is wrong with it.
+    """
+
+    def __init__(self, problem: str, row: str = "camera_broken") -> None:
+        super().__init__(problem)
+        self.fault = TaskFault(row, problem)
 
 
 class Detector:
@@ -42,10 +58,8 @@ class Detector:
     def __init__(self, size: float) -> None:
         # The robot's computer has other work to do; one image takes milliseconds either way.
         cv2.setNumThreads(1)
-        half = size / 2
-        # Corners in the order in which the detector gives them, as IPPE's square form wants them.
-        corners = ((-half, half, 0.0), (half, half, 0.0), (half, -half, 0.0), (-half, -half, 0.0))
-        self._corners = np.array(corners)
+        # In the order in which the detector gives them, as IPPE's square form wants them.
+        self._corners = size * SQUARE
         settings = cv2.aruco.DetectorParameters()
         settings.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
         settings.cornerRefinementWinSize = _CORNER_WINDOW
@@ -56,6 +70,7 @@ class Detector:
         settings.errorCorrectionRate = 0.0
         self._dictionary = cv2.aruco.getPredefinedDictionary(DICTIONARY)
         self._detector = cv2.aruco.ArucoDetector(self._dictionary, settings)
+        self._grey: Grey = np.zeros((1, 1), np.uint8)
 
     def find(self, image: CameraImage, known: tuple[int, Pose] | None = None) -> list[Candidate]:
         """All markers in an image, with poses in its optical frame.
@@ -65,7 +80,8 @@ class Detector:
             known: number of a marker that was tracked up to now, and where it has to be in the optical frame.
 
         Raises:
-            BadImage: if the data is no image of the size that it claims, or none that OpenCV can work on.
+            BadImage: if the data is no image of the size that it claims or none that OpenCV can work on, or for a
+                calibration of no use.
         """
         try:
             return self._find(image, known)
@@ -73,17 +89,18 @@ class Detector:
             raise BadImage(f"OpenCV cannot work on it ({problem.err})") from None
 
     def _find(self, image: CameraImage, known: tuple[int, Pose] | None) -> list[Candidate]:
-        grey = decoded(image)
+        grey = self._grey = decoded(image)
         fx, fy, cx, cy = image.intrinsics.tolist()
-        if fx <= 0.0 or fy <= 0.0:
-            raise BadImage(f"intrinsics are {image.intrinsics.tolist()}, wanted fx and fy above 0")
+        if problem := _unknown_lens(image):
+            raise BadImage(problem, "camera_model")
         camera = np.array(((fx, 0.0, cx), (0.0, fy, cy), (0.0, 0.0, 1.0)))
         corners, numbers, _ = self._detector.detectMarkers(grey)
         candidates = []
         for number, found in zip(() if numbers is None else numbers.ravel(), corners, strict=True):
             exact = _exact(grey, found)
             solutions = () if exact is None else self._solutions(exact, camera, image.distortion)
-            candidates.append(Candidate(int(number), solutions))
+            rough = found.reshape(4, 2).astype(float)
+            candidates.append(Candidate(int(number), solutions, rough if exact is None else exact))
         if known is not None and known[0] not in [candidate.number for candidate in candidates]:
             candidates += self._followed(grey, *known, camera, image.distortion)
         return candidates
@@ -98,7 +115,7 @@ class Detector:
         exact = _exact(grey, seen)
         if exact is None or self._read(grey, exact) != number:
             return []
-        return [Candidate(number, self._solutions(exact, camera, distortion))]
+        return [Candidate(number, self._solutions(exact, camera, distortion), exact)]
 
     def _read(self, grey: Grey, corners: Array) -> int | None:
         """The number that stands upright in a square of which half of the white along each edge is seen; else None."""
@@ -119,20 +136,53 @@ class Detector:
         known, number, quarters = self._dictionary.identify(code, 0.0)
         return int(number) if known and quarters == 0 else None
 
+    def hindrance(self, number: int) -> TaskFault | None:
+        """Why the last picture may show no marker of a number; None if nothing is known."""
+        if (contrast := float(self._grey.std())) < _BLANK:
+            return TaskFault("camera_blank", f"brightness {self._grey.mean():.0f} of 255, differing by {contrast:.1f}")
+        # A mirrored code is none of the dictionary, but for those numbers that `marker_id` must not be.
+        numbers = self._detector.detectMarkers(np.ascontiguousarray(self._grey[:, ::-1]))[1]
+        mirrored = numbers is not None and number in numbers
+        return TaskFault("marker_mirrored", f"number {number}") if mirrored else None
+
     def _solutions(self, corners: Array, camera: Array, distortion: Array) -> tuple[Solution, ...]:
-        """The poses at both minima of the reprojection error, each refined until it is one, the better first."""
+        """The poses at all minima of the reprojection error that are found, the best first.
+
+        Looked for from IPPE's two poses, and from one that faces the camera: exactly head-on IPPE fails.
+        """
         count, turns, shifts, _ = cv2.solvePnPGeneric(
             self._corners, corners, camera, distortion, flags=cv2.SOLVEPNP_IPPE_SQUARE
         )
-        solutions = []
-        for turn, shift in zip(turns[:count], shifts[:count], strict=True):
+        starts = [*zip(turns[:count], shifts[:count], strict=True), self._facing(corners, camera, distortion)]
+        solutions: list[Solution] = []
+        for turn, shift in starts:
+            if not (np.isfinite(turn).all() and np.isfinite(shift).all()):
+                continue
             minimum = cv2.solvePnPRefineLM(self._corners, corners, camera, distortion, turn.copy(), shift.copy())
             seen, _ = cv2.projectPoints(self._corners, *minimum, camera, distortion)
             error = float(np.sqrt(np.mean(np.sum((seen.reshape(4, 2) - corners) ** 2, axis=1))))
             turn, shift = (np.array(part, dtype=np.float64).reshape(3) for part in minimum)
             if np.isfinite(turn).all() and np.isfinite(shift).all() and shift[2] > 0.0:
                 solutions.append(Solution(shift, rotation_from_vector(turn), error))
-        return tuple(sorted(solutions, key=lambda solution: solution.error))
+        solutions.sort(key=lambda solution: solution.error)
+        return tuple(
+            solution
+            for rank, solution in enumerate(solutions)
+            if all(solution.pose.angle(better.pose) > SAME_ANGLE for better in solutions[:rank])
+        )
+
+    def _facing(self, corners: Array, camera: Array, distortion: Array) -> tuple[Array, Array]:
+        """Rotation vector and position of a marker that faces the camera where the corners are."""
+        rays = cv2.undistortPoints(corners.reshape(-1, 1, 2), camera, distortion).reshape(4, 2)
+        right, down = rays[1] + rays[2] - rays[0] - rays[3], rays[2] + rays[3] - rays[0] - rays[1]
+        depth = 2.0 * float(self._corners[1, 0] - self._corners[0, 0]) / np.sqrt(np.hypot(*right) * np.hypot(*down))
+        z = np.append(rays.mean(axis=0), 1.0)
+        position = depth * z
+        z = -z / np.linalg.norm(z)
+        x = np.append(right, 0.0)
+        x -= (x @ z) * z
+        x /= np.linalg.norm(x)
+        return rotation_vector(np.stack((x, np.cross(z, x), z), axis=1)), position
 
 
 def _exact(grey: Grey, corners: NDArray[Any]) -> Array | None:
@@ -158,40 +208,50 @@ def decoded(image: CameraImage) -> Grey:
         allowed = f"{MOST_PIXELS} pixels, {LONGEST_SIDE} on a side"
         raise BadImage(f"it is {width} x {height}, allowed are {allowed}")
     data = np.frombuffer(image.data, dtype=np.uint8)
-    if image.encoding == "jpeg":
-        size = jpeg_size(image.data)
-        if size is None:
-            raise BadImage(f"{data.size} bytes of data are no jpeg image")
-        if size != (width, height):
-            raise BadImage(f"jpeg is {size[0]} x {size[1]}, declared are {width} x {height}")
-        try:
-            grey = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
-        except cv2.error as problem:
-            raise BadImage(f"jpeg data cannot be decoded: {problem.err}") from None
-        if grey is None:
-            raise BadImage(f"{data.size} bytes of jpeg data cannot be decoded")
-        return grey.astype(np.uint8, copy=False)
-    if data.size != width * height * _RGB_CHANNELS:
-        raise BadImage(f"{data.size} bytes of rgb8 data, wanted {width} x {height} x {_RGB_CHANNELS}")
-    grey = cv2.cvtColor(data.reshape(height, width, _RGB_CHANNELS), cv2.COLOR_RGB2GRAY)
+    if image.encoding in _HEADERS:
+        return _decompressed(image, data)
+    channels, conversion = _RAW[image.encoding]
+    if data.size != width * height * channels:
+        raise BadImage(f"{data.size} bytes of {image.encoding} data, wanted {width} x {height} x {channels}")
+    if conversion is None:
+        return data.reshape(height, width)
+    grey = cv2.cvtColor(data.reshape(height, width, channels), conversion)
     return grey.astype(np.uint8, copy=False)
 
 
-def jpeg_size(data: bytes) -> tuple[int, int] | None:
-    """Width and height [px] in a JPEG image's header, None if this is none; nothing is decoded to find that out."""
-    if not data.startswith(_JPEG_START):
-        return None
-    at = len(_JPEG_START)
-    while at + 9 <= len(data) and data[at] == _JPEG_FILL:
-        marker = data[at + 1]
-        if marker in _JPEG_FRAMES:
-            return int.from_bytes(data[at + 7 : at + 9], "big"), int.from_bytes(data[at + 5 : at + 7], "big")
-        if marker == _JPEG_SCAN:
-            return None
-        if marker == _JPEG_FILL:
-            at += 1
-        elif marker in _JPEG_WITHOUT_LENGTH:
-            at += 2
-        else:
-            at += 2 + int.from_bytes(data[at + 2 : at + 4], "big")
-    return None
+def _decompressed(image: CameraImage, data: NDArray[np.uint8]) -> Grey:
+    encoding = image.encoding
+    header = _HEADERS[encoding](image.data)
+    if header is None:
+        raise BadImage(f"{data.size} bytes of data are no {encoding} image")
+    width, height, bits = header
+    if (width, height) != (image.width, image.height):
+        raise BadImage(f"{encoding} is {width} x {height}, declared are {image.width} x {image.height}")
+    if bits != 8:
+        raise BadImage(f"{encoding} has {bits} bits in a channel, wanted 8")
+    try:
+        grey = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
+    except cv2.error as problem:
+        raise BadImage(f"{encoding} data cannot be decoded: {problem.err}") from None
+    if grey is None:
+        raise BadImage(f"{data.size} bytes of {encoding} data cannot be decoded")
+    return grey.astype(np.uint8, copy=False)
+
+
+def _unknown_lens(image: CameraImage) -> str:
+    """Why nobody could go by an image's calibration; empty if one can."""
+    model, count = image.distortion_model, len(image.distortion)
+    low, high = image.width / _ZOOM, image.width * _ZOOM
+    if not (low <= image.intrinsics[:2].min() and np.abs(image.intrinsics).max() <= high):
+        allowed = (
+            f"fx and fy of {low:g} to {high:g} px for a picture that is {image.width} px wide, and cx and cy within"
+        )
+        return f"intrinsics are {image.intrinsics.tolist()}, wanted are {allowed}"
+    if model in _FISHEYES:
+        return f"the camera's model is {model}, a fisheye: {_RECTIFY}"
+    if model and model not in _LENSES:
+        return f"the camera's model is {model}, known are {' and '.join(_LENSES)}: {_RECTIFY}"
+    if count not in _LENSES.get(model, (count,)):
+        wanted = " or ".join(map(str, _LENSES[model]))
+        return f"the camera's model is {model} with {count} coefficients, wanted are {wanted}: send all of them"
+    return ""

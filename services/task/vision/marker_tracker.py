@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,7 +12,9 @@ from services.task.parameters import TaskParameters
 from shared.spatial import Array
 
 _SMOOTHING = 0.3  # [1] share of a new pose in the trusted one: a single image is off by up to twice as much
-_SAME_ANGLE = 0.05  # [rad] between two solutions up to which they are one
+SAME_ANGLE = 0.05  # [rad] between two solutions up to which they are one
+_ODDS = 2.0 * math.log(1000.0)
+"""Difference of two solutions' squared errors, in variances of a coordinate, from which one is 1000 times likelier."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,13 +31,25 @@ class Solution:
     rotation: Array
     error: float
 
+    @property
+    def pose(self) -> Pose:
+        """The marker in the optical frame."""
+        return Pose(self.position, self.rotation)
+
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A marker in an image: its number and the poses that it may have, the better one first."""
+    """A marker in an image.
+
+    Attributes:
+        number: of it.
+        solutions: poses that it may have, clearly different ones, the best first; none if its edges are not to be seen.
+        corners: (4, 2) [px].
+    """
 
     number: int
     solutions: tuple[Solution, ...]
+    corners: Array
 
 
 class MarkerTracker:
@@ -42,6 +57,9 @@ class MarkerTracker:
 
     The first ``marker_confirm`` accepted images have to agree; then each has to agree with the one before. A pose older
     than ``marker_max_age`` is forgotten, so that a panel that was really moved is found again, by as many images.
+
+    Attributes:
+        seen: the marker in the last image, if its pose there is beyond doubt.
     """
 
     def __init__(self, parameters: TaskParameters) -> None:
@@ -56,6 +74,7 @@ class MarkerTracker:
         self._since_image = 0.0
         self._image_seen = False
         self._doubt: TaskFault | None = None
+        self.seen: Candidate | None = None
 
     @property
     def pose(self) -> Pose | None:
@@ -95,27 +114,32 @@ class MarkerTracker:
         if self._age > self._settings.marker_max_age:
             self._pose, self._confirmed = None, 0
 
-    def broken(self, problem: str) -> None:
+    def useless(self, fault: TaskFault) -> None:
         """Take note of an image that is of no use."""
         self._image_seen, self._since_image = True, 0.0
-        self._doubt = TaskFault("camera_broken", problem)
+        self._doubt, self.seen = fault, None
 
-    def look(self, found: Sequence[Candidate], camera: Pose, age: float) -> None:
+    def look(self, found: Sequence[Candidate], camera: Pose, age: float, hindrance: TaskFault | None = None) -> None:
         """Take in what an image shows.
 
         Args:
             found: all markers in it.
             camera: the optical frame in base when it was taken.
             age: time [s] since it was taken.
+            hindrance: why it may show nothing.
         """
-        self._image_seen, self._since_image = True, 0.0
-        self._doubt = self._accept(found, camera, age)
+        self._image_seen, self._since_image, self.seen = True, 0.0, None
+        self._doubt = self._accept(found, camera, age, hindrance)
 
-    def _accept(self, found: Sequence[Candidate], camera: Pose, age: float) -> TaskFault | None:
+    def _accept(
+        self, found: Sequence[Candidate], camera: Pose, age: float, hindrance: TaskFault | None
+    ) -> TaskFault | None:
         settings = self._settings
         if age > settings.marker_max_age:
             return TaskFault("marker_old", f"{age:.2f} s old, allowed are {settings.marker_max_age:g} s")
         ours = [candidate for candidate in found if candidate.number == settings.marker_id]
+        if not ours and hindrance is not None:
+            return hindrance
         if not ours:
             others = ", ".join(str(candidate.number) for candidate in found[:5])
             if others:
@@ -126,8 +150,8 @@ class MarkerTracker:
         doubt = self._doubtful(ours[0].solutions)
         if doubt is not None:
             return doubt
-        best = ours[0].solutions[0]
-        pose = camera @ Pose(best.position, best.rotation)
+        self.seen = ours[0]
+        pose = camera @ ours[0].solutions[0].pose
         if self._pose is not None:
             away, turned = pose.distance(self._pose), pose.angle(self._pose)
             if away > settings.marker_jump or turned > settings.marker_jump_angle:
@@ -142,13 +166,13 @@ class MarkerTracker:
         """Why the corners give no clear pose, if they do not."""
         settings = self._settings
         if not solutions:
-            return TaskFault("marker_error", "no pose fits its corners")
-        best = solutions[0]
-        if best.error > settings.marker_error:
-            return TaskFault("marker_error", f"{best.error:.2f} px, allowed are {settings.marker_error:g} px")
-        for other in solutions[1:]:
-            apart = Pose(best.position, best.rotation).angle(Pose(other.position, other.rotation))
-            if apart > _SAME_ANGLE and other.error < settings.marker_ambiguity * best.error:
-                ratio = f"the second pose fits {other.error / max(best.error, 1e-9):.1f} times worse"
-                return TaskFault("marker_ambiguous", f"{ratio}, wanted are {settings.marker_ambiguity:g} times")
+            return TaskFault("marker_edges")
+        best = solutions[0].error
+        if best > settings.marker_error:
+            return TaskFault("marker_error", f"{best:.2f} px off, allowed are {settings.marker_error:g} px")
+        # Two of the eight coordinates are left over, so the best fit's error says what they were measured to here.
+        variance = settings.marker_accuracy**2 + 4.0 * best**2 / 2.0
+        if solutions[1:] and 4.0 * (solutions[1].error ** 2 - best**2) < _ODDS * variance:
+            both = f"with {solutions[1].error:.2f} px as with {best:.2f} px"
+            return TaskFault("marker_ambiguous", f"{both}, measured to {settings.marker_accuracy:g} px")
         return None

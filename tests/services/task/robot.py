@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from services.task.parameters import TaskParameters
 from shared import topics
 from shared.messages import CameraImage, ControlStatus, EndEffector, ExternalWrench, RobotStatus
 from shared.schema.records import Record
+from shared.spatial import rotation_from_vector
 from shared.wire.subscription import Received
 from tests.services.task.scene import Camera, Light, Print, message, render
 from tests.services.task.toy import MARKER, Toy
@@ -19,6 +21,8 @@ from tests.services.task.toy import MARKER, Toy
 TICK = 0.01
 HEAD = Pose.from_rpy((0.2, 0.0, 1.3), (-2.2, 0.0, -1.9))
 """The camera's optical frame in base: looks ahead, down and to the right, at the panel."""
+EYE = np.array((0.0, -0.06, 0.06))
+"""The camera [m] from where the head's axes cross, in its optical axes."""
 _STILL = np.zeros(6)
 
 
@@ -32,8 +36,11 @@ class Robot:
         control: state of the controller while it does not brake.
         shown: marker pose in base that the camera sees; None covers it.
         number: of that marker.
+        marker_size: side [m] of its square.
         frozen: whether the camera sends one image again and again, under fresh stamps.
         valid: whether images are marked as valid.
+        turns: whether the head does what it is told.
+        reports: what the camera's messages say otherwise than it is.
         denies: whether the gripper says that it holds nothing, whatever it does.
         received: every message of each key that the task publishes.
     """
@@ -59,11 +66,13 @@ class Robot:
         self.mode = "ready"
         self.shown: Pose | None = MARKER
         self.number = self.toy.parameters.marker_id
+        self.marker_size = self.toy.parameters.marker_size
         self.received: dict[str, list[Received]] = {topic.key: [] for topic in self.OUTPUTS}
         self.frozen, self.valid, self.denies = False, True, False
         self._sent: CameraImage | None = None
         self._pictures = 0
-        self._images: dict[tuple, CameraImage] = {}
+        self.turns, self.reports = True, lambda image: image
+        self.head = HEAD
         for topic in self.OUTPUTS:
             watch(topic, self.received[topic.key].append)
 
@@ -133,6 +142,9 @@ class Robot:
         self.toy.target = Pose.of(target.position, target.orientation) if moves else None
         if grip is not None:
             self.toy.wanted = grip.opening
+        head = self.last(topics.COMMAND_HEAD)
+        if head is not None and self.turns:
+            self.head = looking(head.pan, head.tilt, self.toy.parameters)
 
     def _tool(self) -> EndEffector:
         toy = self.toy
@@ -150,14 +162,23 @@ class Robot:
         return image.replaced(data=image.data[:2] + comment + image.data[2:])
 
     def _image(self) -> CameraImage:
-        return self._picture(self.shown, self.number)
+        return self.reports(self._picture(self.shown, self.number))
 
     def _picture(self, shown: Pose | None, number: int) -> CameraImage:
-        key = (None if shown is None else tuple(shown.position), number)
-        if key not in self._images:
-            prints = []
-            if shown is not None:
-                inverse = Pose(-HEAD.rotation.T @ HEAD.position, HEAD.rotation.T)
-                prints = [Print(inverse @ shown, self.toy.parameters.marker_size, number)]
-            self._images[key] = message(render(prints, Light()), Camera(HEAD))
-        return self._images[key]
+        in_camera = None if shown is None else tuple((self.head.inverse @ shown).row.round(9).tolist())
+        picture = _picture(in_camera, self.marker_size, number)
+        return picture.replaced(position=self.head.position, orientation=self.head.orientation)
+
+
+def looking(pan: float, tilt: float, parameters: TaskParameters) -> Pose:
+    """The camera in base, with the head's joints at these angles [rad]."""
+    pivot = HEAD.position - HEAD.rotation @ EYE
+    panned = rotation_from_vector((0.0, 0.0, pan - parameters.head_pan))
+    rotation = panned @ HEAD.rotation @ rotation_from_vector((tilt - parameters.head_tilt, 0.0, 0.0))
+    return Pose(pivot + rotation @ EYE, rotation)
+
+
+@cache
+def _picture(in_camera: tuple[float, ...] | None, size: float, number: int) -> CameraImage:
+    prints = [] if in_camera is None else [Print(Pose.from_row(np.array(in_camera)), size, number)]
+    return message(render(prints, Light()), Camera())

@@ -107,10 +107,14 @@ def render(prints: Sequence[Print], light: Light | None = None, camera: Camera |
 def message(picture: Array, camera: Camera | None = None, encoding: str = "jpeg") -> CameraImage:
     """The picture as the robot sends it."""
     camera = camera or Camera()
-    if encoding == "jpeg":
-        data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 95])[1].tobytes()
-    else:
-        data = np.repeat(picture[:, :, None], 3, axis=2).tobytes()
+    colour = np.repeat(picture[:, :, None], 3, axis=2)
+    data = {
+        "jpeg": lambda: cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 95])[1].tobytes(),
+        "png": lambda: cv2.imencode(".png", picture)[1].tobytes(),
+        "colour png": lambda: cv2.imencode(".png", colour)[1].tobytes(),
+        "mono8": picture.tobytes,
+    }.get(encoding, colour.tobytes)()
+    encoding = encoding.removeprefix("colour ")
     return CameraImage(
         WIDTH, HEIGHT, encoding, data, INTRINSICS, camera.distortion, camera.pose.position, camera.pose.orientation
     )

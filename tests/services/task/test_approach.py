@@ -23,7 +23,7 @@ NOT_GONE_TO = {
     "too steep up": (
         ANYWHERE,
         turned(pitch=-80.0),
-        "too steep: the tool points up by 80 degrees, allowed are 30",
+        "too steep: the tool points up by 80 degrees, allowed are 30; lay it flatter",
         turned(pitch=20.0),
     ),
     "too steep down": (
@@ -33,7 +33,12 @@ NOT_GONE_TO = {
         turned(pitch=20.0),
     ),
     "turned away": (ANYWHERE, turned(yaw=180.0), "its far side", turned(pitch=20.0)),
-    "out of reach": ({"reach_high": (0.5, 0.2, 1.2)}, MARKER, "out of reach: x is 0.60 m", NEARER),
+    "out of reach": (
+        {"reach_high": (0.5, 0.2, 1.2)},
+        MARKER,
+        "out of reach: x is 0.60 m, within reach is 0.35 to 0.5 m; move the panel or the robot, if its black square",
+        NEARER,
+    ),
 }
 
 
@@ -91,6 +96,26 @@ def test_a_panel_that_was_moved_aside_is_gone_to_anew() -> None:
     assert target is not None
     grasp = play.toy.marker @ Pose.from_rpy(play.settings.grasp_position, play.settings.grasp_rpy)
     assert target.near(grasp.shifted(-play.settings.standoff), 0.005, 0.01), "back to the point before it"
+
+
+def test_a_touch_before_the_grasp_ends_the_approach_and_names_the_size_of_the_marker() -> None:
+    play = going_in()
+    play.changed = {"wrench": np.array((0.0, 2.0, 2.0, 0.0, 0.0, 0.0))}
+    play.run(1.0)
+    assert play.state is State.APPROACHING, "no more than a free tool may feel"
+    play.changed = {"wrench": np.array((0.0, 0.0, 4.0, 0.0, 0.0, 0.0))}
+    play.run(0.2)
+    assert play.state is State.APPROACHING, "a bump"
+    play.run(0.2)
+    assert play.state is State.HOLDING
+    assert "touched something" in play.reason and "4.0 N, allowed are 3 N" in play.reason
+    assert "marker_size, grasp_position" in play.reason
+
+
+def test_what_a_tare_leaves_in_another_attitude_is_no_touch() -> None:
+    play = MachineRig().reach(State.APPROACHING)
+    play.changed = {"wrench": np.array((0.0, 6.0, -5.0, 0.0, 0.0, 0.0))}
+    play.to(State.GRASPING)
 
 
 @pytest.mark.parametrize("moving", [{"speed": 0.05}, {"turning": 0.05}])

@@ -9,7 +9,7 @@ from services.task.faults import TaskFault
 from services.task.observer import GUARDED_MAX_AGE, WRENCH_MAX_AGE, Observer
 from services.task.parameters import TaskParameters
 from services.task.states import Observation
-from services.task.vision.marker_tracker import MarkerTracker
+from services.task.vision.sight import Sight
 from shared import topics
 from shared.messages import ControlStatus, EndEffector, ExternalWrench, GripperState, Header, RobotStatus, Stop
 from shared.schema.records import Record
@@ -40,9 +40,8 @@ def look(
     """What is seen, and the names of the faults; the marker's are left out. All that comes on one topic is refused."""
     readings = {topic.key: reading(message) for topic, message in HEALTHY.items() if topic != refused}
     readings |= {topic.key: changed[topic] for topic in changed}
-    tracker = MarkerTracker(SETTINGS)
     inputs = Inputs(readings, _refused={refused.key: "7 messages rejected"} if refused else {})
-    seen, faults = (observer or Observer(SETTINGS)).look(inputs, tracker)
+    seen, faults = (observer or Observer(SETTINGS)).look(inputs, Sight(SETTINGS))
     return seen, {fault.name for fault in faults} - {"camera_never"}
 
 

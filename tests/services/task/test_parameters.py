@@ -48,6 +48,12 @@ def test_the_task_looks_where_the_marker_is_and_open_fingers_do_not_hide_it(scen
     assert found.number == task.marker_id and found.solutions
 
 
+@pytest.mark.parametrize("number", [8, 9, 17, 47])
+def test_a_marker_that_hides_a_mirrored_picture_is_refused(number: int) -> None:
+    with pytest.raises(Refused, match=f"marker_id is {number}, which reads the same in a mirrored picture"):
+        TaskParameters.of({"marker_id": number})
+
+
 def test_nothing_is_missing_in_the_documentation() -> None:
     text = (ROOT / "docs" / "task.md").read_text(encoding="utf-8")
     for name, (kind, sentence) in FAULTS.items():

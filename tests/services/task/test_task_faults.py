@@ -18,7 +18,7 @@ from tests.services.task.toy import MARKER
 
 BLINDED: dict[str, tuple[dict[str, Any], str]] = {
     "camera off": ({"muted": {topics.SENSOR_CAMERA.key}}, "no image for"),
-    "camera frozen": ({"frozen": True}, "always the same one"),
+    "camera frozen": ({"frozen": True}, "as a frozen camera's does"),
     "camera marked invalid": ({"valid": False}, "marked invalid"),
     "covered": ({"shown": None}, "covered"),
     "other marker": ({"number": 12}, "seen 12, wanted 7"),
@@ -42,14 +42,71 @@ def test_never_approaches_on_an_old_pose(name: str) -> None:
     assert rig.toy.tool.near(where, 0.01, 0.03)
 
 
+def told_otherwise(**changes: Any) -> Any:
+    """What the camera's messages say, with changes to fields."""
+    return lambda image: image.replaced(**{name: change(getattr(image, name)) for name, change in changes.items()})
+
+
+UNBELIEVED: dict[str, tuple[dict[str, Any], dict[str, Any], str, str]] = {
+    "centre off": (
+        {"reports": told_otherwise(intrinsics=lambda k: k + np.array((0, 0, 40, 0)))},
+        {},
+        "holding",
+        "centre (cx, cy): -4",
+    ),
+    "marker larger than told": ({}, {"marker_size": 0.2}, "holding", "marker_size: 0.1"),
+    "head that does not turn": ({"turns": False}, {}, "searching", "the camera's pose has not changed in 2 s"),
+    "fisheye": ({"reports": told_otherwise(distortion_model=lambda _: "equidistant")}, {}, "searching", "a fisheye"),
+}
+
+
+@pytest.mark.parametrize("name", UNBELIEVED)
+def test_a_camera_that_is_not_proven_is_not_gone_by(name: str) -> None:
+    changes, parameters, state, words = UNBELIEVED[name]
+    rig = Rig(**parameters)
+    rig.robot.marker_size = 0.15
+    vars(rig.robot).update(changes)
+    rig.begun().until("searching").run(10.0)
+    assert (rig.state, words in rig.reason) == (state, True), rig.reason
+    assert rig.last(topics.TASK_STATUS).marker is None
+
+
+def test_the_marker_is_seen_all_over_the_picture_before_the_approach_and_the_head_looks_back() -> None:
+    rig = Rig().begun().until("searching")
+    rig.forget()
+    rig.until("approaching")
+    places = [view.corners.mean(axis=0) for view in rig.task._sight.proof._views]
+    assert (np.ptp(places, axis=0) > (0.3 * 640, 0.3 * 480)).all()
+    last = rig.said(topics.COMMAND_HEAD)[-1].message
+    assert (last.pan, last.tilt) == (rig.settings.head_pan, rig.settings.head_tilt)
+    assert rig.last(topics.TASK_STATUS).marker is not None
+
+
+def test_a_panel_that_is_moved_while_the_head_looks_at_it_is_looked_at_anew() -> None:
+    rig = Rig().begun().until("searching")
+    rig.run(1.5)
+    rig.robot.shown = Pose(MARKER.position + np.array((0.0, 0.02, 0.0)), MARKER.rotation)
+    rig.until("approaching", 8.0)
+    assert any("the panel was moved by 1" in received.message.reason for received in rig.said(topics.TASK_STATUS))
+    assert rig.last(topics.TASK_STATUS).marker.position == pytest.approx(rig.robot.shown.position, abs=0.01)
+
+
+def test_a_camera_without_noise_is_gone_by_while_its_head_nods() -> None:
+    rig = Rig()
+    rig.robot._another = lambda image: image  # type: ignore[method-assign]
+    rig.begun().until("approaching").run(1.0)
+    pans = {received.message.pan for received in rig.said(topics.COMMAND_HEAD)[-6:]}
+    assert rig.state == "approaching" and len(pans) == 2, "its pictures would all be the same, as a frozen camera's"
+    rig.until("carrying")
+
+
 def test_a_marker_that_jumps_is_waited_for_and_then_followed() -> None:
     rig = Rig().begun().until("approaching")
     rig.run(1.0)
     rig.robot.shown = Pose(MARKER.position + np.array((0.0, 0.2, 0.0)), MARKER.rotation)
-    rig.run(0.7)
-    assert "marker" in rig.reason
-    rig.run(2.0)
-    assert rig.state == "approaching"
+    rig.until("searching", 2.0)
+    assert any("marker" in received.message.reason for received in rig.said(topics.TASK_STATUS)[-5:])
+    rig.until("approaching", 5.0)
     rig.run(8.0)
     assert rig.toy.tool.position[1] == pytest.approx(-0.1, abs=0.03)
 
@@ -188,7 +245,7 @@ def test_unreadable_image_is_said() -> None:
     image = rig.robot._image().replaced(data=b"nothing")
     rig.robot._image = lambda: image  # type: ignore[method-assign]
     rig.begun().until("searching").run(1.0)
-    assert "of no use" in rig.reason and rig.runner.fault is None
+    assert "cannot be read" in rig.reason and rig.runner.fault is None
 
 
 def test_a_camera_that_lags_all_the_time_is_not_gone_by() -> None:

@@ -87,6 +87,7 @@ class Toy:
             "wrench": self.wrench,
             "gripper": self.gripper,
             "marker": self.marker,
+            "proven": self.marker is not None,
             "guarded": True,
         }
         return Observation(**{**values, **changed})
