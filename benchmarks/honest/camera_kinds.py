@@ -20,7 +20,7 @@ Random = np.random.Generator
 MARKER = Pose.from_rpy((0.85, -0.3, 0.825), (0.0, 0.0, -math.pi / 2))  # on a panel on its supports
 SIZES = ((640, 480), (640, 480), (640, 480), (800, 600), (1280, 720), (320, 240))
 MIRRORED = (8, 9, 17, 47)  # of DICT_4X4_50 read the same in a mirrored picture
-ONE_PLACE = "the stated frame is off by the same in every direction of the head"
+ONE_PLACE = "all views are off alike, whichever way the head turns: only something else than the camera could show it"
 
 
 def lens(random: Random, coefficients: int | None = None, strength: float = 1.0) -> Lens:
@@ -134,7 +134,9 @@ def mounted(random: Random) -> Case:
 
 def head_lifted(random: Random) -> Case:
     """The torso is higher or lower than the robot process states."""
-    return replace(sound(random), lifted=random.choice((-1.0, 1.0)) * random.uniform(0.015, 0.08), sound=False)
+    return replace(
+        sound(random), lifted=random.choice((-1.0, 1.0)) * random.uniform(0.015, 0.08), sound=False, excuse=ONE_PLACE
+    )
 
 
 def size_wrong(random: Random) -> Case:

@@ -8,6 +8,7 @@ import numpy as np
 
 from benchmarks.honest.sensor import DOWN, TOOL_OFFSET, Sensor
 from services.wrench.compensation import gravity_in_sensor
+from services.wrench.wrench import ATTITUDE
 from shared.spatial import GRAVITY, Array, skew
 
 _MASSES = np.linspace(0.0, 1.0, 201)  # [1] of the largest declared one
@@ -30,7 +31,7 @@ def possible(how: str, readings: list[tuple[Array, Array]], sensor: Sensor, decl
     means = np.array([np.mean(part, axis=0) for part in poses.values()])
     error = 5.0 * sensor.sigma / np.sqrt(min(map(len, poses.values()))) + 0.5 * sensor.step
     if how == "identify":
-        slope = declared.floor_tilt
+        slope = declared.floor_tilt + ATTITUDE
         return identification_possible(means, error, list(rotations.values()), declared, slope)
     return tare_possible(means[0], error, next(iter(rotations.values())), declared)
 
@@ -64,7 +65,7 @@ def identification_possible(means: Array, error: Array, rotations: list[Array], 
         error: bound (6,) on the error of each.
         rotations: sensor in base (3, 3) of each.
         declared: the wrench service's parameters.
-        slope: tilt of the floor [rad] that is declared.
+        slope: largest error [rad] of gravity's direction that is declared.
     """
     down = [rotation.T @ DOWN for rotation in rotations]
     forces = np.vstack([np.column_stack((axis, np.eye(3))) for axis in down])
