@@ -18,14 +18,16 @@ from shared.spatial import Array, rotation_from_vector
 Random = np.random.Generator
 
 MARKER = Pose.from_rpy((0.85, -0.3, 0.825), (0.0, 0.0, -math.pi / 2))  # on a panel on its supports
-SIZES = ((640, 480), (640, 480), (640, 480), (800, 600), (1280, 720), (320, 240))
+SIZES = ((640, 480), (640, 480), (640, 480), (800, 600), (1280, 720))  # [px] docs/task.md asks for the first at least
 MIRRORED = (8, 9, 17, 47)  # of DICT_4X4_50 read the same in a mirrored picture
 ONE_PLACE = "all views are off alike, whichever way the head turns: only something else than the camera could show it"
 
 
-def lens(random: Random, coefficients: int | None = None, strength: float = 1.0) -> Lens:
+def lens(
+    random: Random, coefficients: int | None = None, strength: float = 1.0, size: tuple[int, int] | None = None
+) -> Lens:
     """One that opens 55 to 75 degrees, with a distortion of so many coefficients as lenses have it."""
-    width, height = SIZES[random.integers(len(SIZES))]
+    width, height = size or SIZES[random.integers(len(SIZES))]
     focal = width / 2 / math.tan(math.radians(random.uniform(55.0, 75.0)) / 2)
     centre = np.array((width, height)) * (0.5 + random.uniform(-0.03, 0.03, 2))
     count = int(random.choice((0, 4, 5, 8))) if coefficients is None else coefficients
@@ -68,6 +70,12 @@ def noise_free(random: Random) -> Case:
 def rectified(random: Random) -> Case:
     """A rectified picture with its own calibration."""
     return sound(random, 0)
+
+
+def small(random: Random) -> Case:
+    """A picture of a quarter of the pixels that are asked for: as it is stated, yet the corners are vague."""
+    true = lens(random, size=(320, 240))
+    return replace(sound(random), true=true, told=true, sound=False)
 
 
 def centre_off(random: Random) -> Case:
@@ -193,6 +201,7 @@ KINDS: dict[str, tuple[float, Callable[[Random], Case]]] = {
     "sound camera": (10.0, plain),
     "camera without noise": (2.0, noise_free),
     "rectified picture": (2.0, rectified),
+    "small picture": (2.0, small),
     "centre off": (4.0, centre_off),
     "focal length off": (4.0, focal_off),
     "distortion cut": (3.0, distortion_cut),
