@@ -118,9 +118,10 @@ class _Axis:
 
     def heavy(self, weight: float, least: float, step: float, known: bool) -> bool:
         """Whether the weight has changed along with the attitude, and the reading has not."""
-        if not (self.changes or known):
+        if not self.changes and (not known or self.repeats < FEWEST_READINGS):
             return False
-        if self.turns >= LEAST_TURNS * self.changes > 0.0 and self.repeats < self.needed():
+        smooth = self.readings >= FEWEST_READINGS and self.turns < LEAST_TURNS * self.changes
+        if self.changes and not smooth and self.repeats < self.needed():
             return False  # noise may have hidden the change by chance
         return abs(weight - self.weight) > least + 2.0 * max(
             step, self.grid if self.changes >= FEWEST_READINGS / 2 else 0.0

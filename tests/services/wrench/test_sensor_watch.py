@@ -142,6 +142,14 @@ def test_a_reading_that_does_not_follow_the_identified_weight_is_stuck_without_a
     assert turned(0.3, frozen=False) == turned(0.03, frozen=True) == ""
 
 
+def test_a_chance_repeat_of_a_coarse_axis_while_the_weight_changes_is_no_fault() -> None:
+    watch, step = SensorWatch(), NOISE
+    readings = step * np.round(noisy(400) / step)
+    for number, reading in enumerate(readings):
+        weight = np.full(6, 8.0 * math.sin(0.1 * number))
+        assert watch.update(reading, False, 0.01, STUCK_AFTER, weight=weight, known=True) == ""
+
+
 def test_an_axis_that_never_changed_is_spoken_of() -> None:
     watch = SensorWatch()
     for reading in noisy(300) * (0, 1, 1, 1, 1, 1):
