@@ -30,13 +30,13 @@ def possible(how: str, readings: list[tuple[Array, Array]], sensor: Sensor, decl
         rotations[rotation.tobytes()] = rotation
     means = np.array([np.mean(part, axis=0) for part in poses.values()])
     error = 5.0 * sensor.sigma / np.sqrt(min(map(len, poses.values()))) + 0.5 * sensor.step
+    slope = declared.floor_tilt + ATTITUDE
     if how == "identify":
-        slope = declared.floor_tilt + ATTITUDE
         return identification_possible(means, error, list(rotations.values()), declared, slope)
-    return tare_possible(means[0], error, next(iter(rotations.values())), declared)
+    return tare_possible(means[0], error, next(iter(rotations.values())), declared, slope)
 
 
-def tare_possible(mean: Array, error: Array, rotation: Array, declared: Any) -> bool:
+def tare_possible(mean: Array, error: Array, rotation: Array, declared: Any, slope: float) -> bool:
     """Whether some tool and some bias, both as declared, give this average at rest.
 
     For each mass m the force leaves a bias, and so does the torque but for where the centre may be.
@@ -46,12 +46,15 @@ def tare_possible(mean: Array, error: Array, rotation: Array, declared: Any) -> 
         error: bound (6,) on its error.
         rotation: sensor in base (3, 3).
         declared: the wrench service's parameters.
+        slope: largest error [rad] of gravity's direction that is declared.
     """
     field = gravity_in_sensor(rotation)
     aside = declared.tool_reach * np.sqrt(np.maximum(0.0, GRAVITY**2 - field**2))
+    arm = float(np.linalg.norm(TOOL_OFFSET)) + declared.tool_reach
+    leaning = slope * GRAVITY * np.repeat((1.0, arm), 3)
     for mass in declared.tool_mass * _MASSES:
         weight = mass * np.concatenate((field, np.cross(TOOL_OFFSET, field)))
-        room = np.array(declared.bias_bound) + error + mass * np.concatenate((np.zeros(3), aside))
+        room = np.array(declared.bias_bound) + error + mass * (np.concatenate((np.zeros(3), aside)) + leaning)
         if (np.abs(mean - weight) <= room).all():
             return True
     return False

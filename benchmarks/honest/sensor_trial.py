@@ -53,6 +53,7 @@ class Case:
         touch: wrench (6,) [N, Nm] on the tool during the calibration, base axes.
         slope: true direction of gravity (3,) at the calibration, base axes.
         told: whether the robot says where down is.
+        rate: of the samples [Hz].
         then: what happens after the first use.
         lulls: whether each change of what acts may let an axis repeat one value, of which nobody knows at once.
         excuse: why what is false here is outside of all that is declared; None: the readings decide.
@@ -232,13 +233,13 @@ class Trial:
         """Nothing happens for minutes."""
         self.run(60.0 * minutes)
 
-    def calibrate(self, how: str, touch: Array | None = None, force: bool = False) -> bool:
+    def calibrate(self, how: str, touch: Array | None = None) -> bool:
         """Tare or identify while something touches the tool, or nothing; whether that was accepted."""
         self.external = np.zeros(6) if touch is None else touch
         self.run(0.1)
         self._averages = []
         try:
-            poses = self._identify(force) if how == "identify" else self._tare(force)
+            readings = self._identify() if how == "identify" else self._tare()
         except Refused as refusal:
             self.refused = self.refused or str(refusal)
             return False
@@ -247,33 +248,28 @@ class Trial:
             self.external, self.rotation = np.zeros(6), self.home
         self.run(0.0)  # what was stated before is judged as that
         if not self.case.sound:
-            self.excuse = self._excuse(how, poses)
+            self.excuse = self._excuse(how, readings)
         self.run(0.05)
         return True
 
-    def _tare(self, force: bool) -> list[tuple[Array, Array]]:
-        self.robot_asks(WRENCH_TARE, {"duration": 0.5, "force": force})
+    def _tare(self) -> list[tuple[Array, Array]]:
+        self._ask(WRENCH_TARE, {"duration": 0.5})
         return list(self._averages or [])
 
-    def _identify(self, force: bool) -> list[tuple[Array, Array]]:
-        self.robot_asks(WRENCH_IDENTIFY, {"action": "start"})
-        kept: list[tuple[Array, Array]] = []
+    def _identify(self) -> list[tuple[Array, Array]]:
+        self._ask(WRENCH_IDENTIFY, {"action": "start"})
+        readings: list[tuple[Array, Array]] = []
         turns = [(0.0, 0.0, 0.0), *self.random.uniform(0.5, 0.9, (6, 3)) * _SIGNS]
         for turn in turns:
             self.rotation = self.home @ rotation_from_vector(turn)
             self.run(0.1)
             self._averages = []
-            self.robot_asks(WRENCH_IDENTIFY, {"action": "add", "duration": 0.3})
-            kept += self._averages
-        self.robot_asks(WRENCH_IDENTIFY, {"action": "solve", "force": force})
-        return kept
+            self._ask(WRENCH_IDENTIFY, {"action": "add", "duration": 0.3})
+            readings += self._averages
+        self._ask(WRENCH_IDENTIFY, {"action": "solve"})
+        return readings
 
-    def robot_asks(self, query: Any, request: dict[str, Any]) -> None:
-        """Ask the service something.
-
-        Raises:
-            Refused: with its reason.
-        """
+    def _ask(self, query: Any, request: dict[str, Any]) -> None:
         self.stack.client.ask(query, request, timeout=5.0)
 
     def _excuse(self, how: str, readings: list[tuple[Array, Array]]) -> str:
