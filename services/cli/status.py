@@ -16,6 +16,7 @@ from services.cli.stack.plan import remembered
 from shared import topics
 from shared.processes import STACK
 
+NO_ZERO = -1.0  # [s] as `wrench/external.zero_age` says it
 LISTEN = 1.2  # [s]: two health periods and a bit; less when everybody has spoken
 
 
@@ -52,7 +53,12 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
         wrong += [text for text, ok in told if not ok]
     console.print()
     if not wrong:
-        console.print("everything works", style="green")
+        wrench = watch.message(topics.WRENCH_EXTERNAL)
+        if wrench is not None and wrench.zero_age == NO_ZERO:
+            bound = max(wrench.error_bound[:3])
+            console.print(f"everything works, but the sensor has no zero of this run (+-{bound:.1f} N): `tandem tare`")
+        else:
+            console.print("everything works", style="green")
         return
     for reason in wrong:
         console.print(f"wrong: {reason}", style="red", highlight=False, soft_wrap=True)

@@ -32,6 +32,7 @@ class Average:
         rotation: sensor in base (3, 3).
         peak: (6,) [N, Nm] largest distance of a reading from the mean: spikes are more than their standard deviation.
         rounding: bound (6,) [N, Nm] on what steps or a dead zone make the mean wrong by.
+        independent: (6,) how many independent readings these are worth.
     """
 
     mean: Array
@@ -40,11 +41,18 @@ class Average:
     rotation: Array
     peak: Array = field(default_factory=lambda: np.zeros(6))
     rounding: Array = field(default_factory=lambda: np.zeros(6))
+    independent: Array | None = None
+
+    @property
+    def variance(self) -> Array:
+        """Variance (6,) [N2, Nm2] of the mean, without rounding."""
+        variance: Array = self.std**2 / (self.samples if self.independent is None else self.independent)
+        return variance
 
     @property
     def mean_error(self) -> Array:
-        """Bound (6,) [N, Nm] on the error of the mean, for independent readings."""
-        return SIGMAS * self.std / math.sqrt(self.samples) + self.rounding
+        """Bound (6,) [N, Nm] on the error of the mean."""
+        return SIGMAS * np.sqrt(self.variance) + self.rounding
 
     @property
     def noise(self) -> Array:
@@ -104,7 +112,9 @@ class AveragingWindow:
         if std.any():
             rounding = np.where(np.isinf(rounding), self._bias_bound, rounding)
         rounding = np.where(self._resolution > 0.0, self._resolution, np.where(np.isinf(rounding), 0.0, rounding))
-        return Average(mean, std, count, rotation, np.abs(readings - mean).max(axis=0), rounding)
+        return Average(
+            mean, std, count, rotation, np.abs(readings - mean).max(axis=0), rounding, _independent(readings - mean)
+        )
 
     def _mean_rotation(self) -> Array:
         first = self._rotations[0]
@@ -114,6 +124,23 @@ class AveragingWindow:
             raise NotStill(f"the sensor turned by {largest:.3f} rad, allowed are {LARGEST_TURN} rad: the tool moves")
         # Within a hundredth of a radian the mean of the rotation vectors is the mean of the rotations.
         return rotation_from_vector(turns.mean(axis=0)) @ first
+
+
+def _independent(deviations: Array) -> Array:
+    """How many independent readings (6,) some are worth, by the correlation of each with the next: n (1 - r) / (1 + r).
+
+    A sensor with a low pass gives readings that resemble each other, whose mean is known the less well.
+
+    Args:
+        deviations: from the mean (n, 6).
+    """
+    count = len(deviations)
+    power = (deviations**2).sum(axis=0)
+    together = (deviations[1:] * deviations[:-1]).sum(axis=0) / np.where(power > 0.0, power, 1.0)
+    # What white noise reaches by chance in 3 of 1000 axes counts as none.
+    share = np.where(together > 3.0 / math.sqrt(count), np.minimum(together, 1.0 - 1.0 / count), 0.0)
+    independent: Array = count * (1.0 - share) / (1.0 + share)
+    return independent
 
 
 def _rounding(readings: Array) -> float:

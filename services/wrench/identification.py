@@ -109,7 +109,7 @@ def identify(poses: list[Average]) -> IdentifiedPayload:
     if condition > LARGEST_CONDITION:
         raise NotExciting(_missing(down, condition))
     means = np.array([pose.mean for pose in poses])
-    mean_sigma = np.sqrt(np.mean([pose.std**2 / pose.samples for pose in poses], axis=0))
+    mean_sigma = np.sqrt(np.mean([pose.variance for pose in poses], axis=0))
     force, force_covariance, force_residuals = _least_squares(force_rows, means[:, :3], mean_sigma[:3])
     torque, torque_covariance, torque_residuals = _least_squares(torque_rows, means[:, 3:], mean_sigma[3:])
     mass, sigma_mass = force[0] / GRAVITY, np.sqrt(force_covariance[0, 0]) / GRAVITY
@@ -154,7 +154,7 @@ def misfit(result: IdentifiedPayload, poses: list[Average], tilt: float) -> Arra
     """
     weight = result.mass * GRAVITY * tilt
     arm = float(np.linalg.norm(result.com))
-    variance = np.mean([pose.std**2 / pose.samples + pose.rounding**2 / 3.0 for pose in poses], axis=0)
+    variance = np.mean([pose.variance + pose.rounding**2 / 3.0 for pose in poses], axis=0)
     variance = variance + np.array((*[weight**2] * 3, *[(weight * arm) ** 2] * 3))
     sums = (len(poses) * result.residual_rms**2 / np.maximum(variance, 1e-18)).reshape(2, 3).sum(axis=1)
     return np.array([found / _chi_square(3 * len(poses) - k) for found, k in zip(sums, (4, 6), strict=True)])

@@ -156,6 +156,6 @@ def _refusal(limit: list[float], error_bound: list[float]) -> str | None:
             unit = UNITS[axis]
             return (
                 f"the limit {limit[axis]:g} {unit} {AXES[axis]} is not above three times its error bound "
-                f"{error_bound[axis]:.3g} {unit}: raise the limit, tare the sensor or lower its noise"
+                f"{error_bound[axis]:.3g} {unit}: raise the limit, or let go of the tool and `tandem tare`"
             )
     return None

@@ -137,7 +137,8 @@ class CertifiedLaw(Law):
         if speeds[i] > _NEXT_TO_NONE:
             return ""
         if reserved[i] <= 0.0:
-            cause = f"its error bound is {self.caps.errors[i]:.3g} {UNITS[i]}. Raise the limit or tare the sensor"
+            remedy = "Raise the limit, or let go of the tool and `tandem tare`"
+            cause = f"its error bound is {self.caps.errors[i]:.3g} {UNITS[i]}. {remedy}"
         else:
             cause = "the contacts are declared too stiff for them. See `tandem certify`"
         return f"the limits leave the target no motion {AXES[i]}: {cause}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -87,3 +88,25 @@ def test_orientation_is_averaged_too() -> None:
     rotations = [rotation_from_vector((0.0, 0.004 * (n % 2), 0.0)) for n in range(100)]
     average = averaged([sensor.reading(LEVEL) for _ in rotations], rotations)
     assert rotation_vector(average.rotation) == pytest.approx([0.0, 0.002, 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.8, 0.9])
+def test_readings_behind_a_low_pass_are_worth_fewer(share: float) -> None:
+    """The bound on the mean's error holds for readings that resemble each other."""
+    rng = np.random.default_rng(3)
+    errors, bounds = [], []
+    for _ in range(200):
+        window = AveragingWindow(1.0, np.full(6, 5.0), np.zeros(6), np.zeros(6))
+        state = rng.standard_normal(6)
+        for _ in range(101):
+            state = share * state + math.sqrt(1.0 - share**2) * rng.standard_normal(6)
+            window.add(state, np.eye(3), 0.01)
+        try:
+            average = window.average()
+        except NotStill:
+            continue
+        errors.append(abs(average.mean))
+        bounds.append(average.mean_error)
+    assert len(errors) > 100
+    ratio = np.array(errors) / np.array(bounds)
+    assert np.sqrt((ratio**2).mean()) < 1.6 / 5.0  # one standard deviation of five, known by 100 readings
