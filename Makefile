@@ -82,8 +82,12 @@ bench: $(BENCH_READY) ## the benchmarks, as one table
 lock: $(READY) ## pin the requirements anew
 	@echo uv | $(COMPILE) - -o $(REQUIREMENTS)/uv.txt
 	@$(COMPILE) --extra all --extra test --extra lint --group build pyproject.toml -o $(REQUIREMENTS)/all.txt
+	@for stage in core: controller:controller task:task sim:sim tools:sim,experiment,cli; do \
+		$(COMPILE) $$(printf '%s' "$${stage#*:}" | sed -E 's/[a-z]+,?/--extra &/g; s/,/ /g') \
+			-c $(REQUIREMENTS)/all.txt pyproject.toml -o $(REQUIREMENTS)/$${stage%%:*}.txt; \
+	done
 	@$(COMPILE) --extra bench -c $(REQUIREMENTS)/all.txt pyproject.toml -o $(REQUIREMENTS)/bench.txt
 
 clean: ## remove .venv, caches and results
-	@rm -rf $(VENV) .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis build dist *.egg-info runs
+	@rm -rf $(VENV) .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis build dist *.egg-info runs/*
 	@find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -121,10 +121,12 @@ class Service(ABC, Generic[P]):
         wiring: what it is connected to.
         parameters: in force.
         max_delay: bound [s] on how much later than the fastest one a message may arrive.
+        renewed: set by a query to the topics that begin a new session with it; the loop takes it and clears it.
     """
 
     wiring: Wiring
     max_delay: float = 0.2
+    renewed: tuple[Topic, ...] = ()
 
     def __init__(self, parameters: P) -> None:
         self.parameters = parameters

@@ -57,6 +57,7 @@ LARGEST_FORCE, LARGEST_TORQUE, LONGEST_PUSH = 300.0, 50.0, 600.0
 """Largest push [N, Nm] and its longest duration [s]."""
 FARTHEST = 20.0
 """Farthest target of the person's hands along each axis [m]."""
+FAULT_TARGETS = ("ft", "camera", "joints")
 FAULTS = ("off", "stuck", "garbage", "bias", "delay", "ok")
 
 
@@ -100,7 +101,7 @@ class CoverMarker(Record):
 class SensorFault(Record):
     """Break a sensor's line, or mend it."""
 
-    target: str = of(Text(choices=("ft", "camera", "joints")))
+    target: str = of(Text(choices=FAULT_TARGETS))
     kind: str = of(Text(choices=FAULTS))
     value: Any = of(
         Anything("", "of a bias: N, Nm, rad or of 255, one number or one per axis; of a delay: s"), default=None

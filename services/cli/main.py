@@ -40,6 +40,8 @@ commands.command(context_settings=NUMBERS)(hold)
 commands.command(context_settings=NUMBERS)(requests.load)
 commands.command(context_settings=NUMBERS)(requests.hand)
 commands.command()(requests.cover)
+commands.command(context_settings=NUMBERS)(requests.fault)
+commands.command()(requests.reset)
 commands.command()(certify)
 
 

@@ -1,4 +1,4 @@
-"""Commands that ask a stack one thing: tare, task; and load, hand, cover, which only a simulated robot can do."""
+"""Commands that ask a stack one thing: tare, task; load, hand, cover, fault, reset, which only a simulation can do."""
 
 from __future__ import annotations
 
@@ -9,9 +9,15 @@ from typing import Annotated, Any
 import typer
 
 from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse
+from services.experiment.running import set_back
 from shared import topics
 from shared.clock import in_words
+from shared.parameters import Refused
+from shared.schema.fields import InvalidField
+from shared.sim_messages import FAULT_TARGETS, FAULTS, SensorFault
 from shared.spatial import GRAVITY
+from shared.wire.bus import NoReply
+from shared.wire.client import Client
 
 
 def tare(
@@ -98,6 +104,60 @@ def cover(
     """Put something over the simulated panel's marker, or take it off."""
     _command(robot, connect, {"command": "cover_marker", "covered": not off})
     typer.echo(f"the marker is {'uncovered' if off else 'covered'}")
+
+
+TARGETS = dict(zip(FAULT_TARGETS, ("the wrist's force-torque sensor", "the head's camera", "the joints"), strict=True))
+KINDS = dict(
+    zip(
+        FAULTS,
+        (
+            "sends nothing",
+            "repeats one value",
+            "sends what is no message",
+            "adds VALUE: N and Nm (ft), rad (joints), of 255 (camera); one number, or one per axis: 1,0,0,0,0,0",
+            "sends everything VALUE s late",
+            "works again",
+        ),
+        strict=True,
+    )
+)
+
+
+def fault(
+    target: Annotated[str, typer.Argument(help=f"{', '.join(TARGETS)}; lists all if left out")] = "",
+    kind: Annotated[str, typer.Argument(help=", ".join(KINDS))] = "",
+    value: Annotated[str, typer.Argument(help="Of a bias or a delay; see the list.")] = "",
+    robot: Robot = DEFAULT_ROBOT,
+    connect: Connect = DEFAULT_ENDPOINT,
+) -> None:
+    """Break a sensor of the simulated robot, or mend it; without arguments list what can be broken, and how."""
+    if not target:
+        for title, rows in (("TARGET", TARGETS), ("KIND", KINDS)):
+            typer.echo("\n".join((title, *(f"  {name:8}{text}" for name, text in rows.items()))))
+        return
+    if value and kind not in ("bias", "delay"):
+        refuse(f"fault {target} {kind} {value}: {kind} takes no value")
+    try:
+        numbers = [float(number) for number in value.split(",")] if value else None
+        asked = SensorFault(target, kind, numbers[0] if numbers and len(numbers) == 1 else numbers)
+    except InvalidField as problem:
+        refuse(f"fault: {problem}")
+    except ValueError:
+        refuse(f"fault: value {value!r}: wanted a number, or one per axis separated by commas")
+    _command(robot, connect, {"command": "fault", **asked.to_plain()})
+    typer.echo(f"{TARGETS[target]}: {KINDS[kind].replace('VALUE', value, 1).partition(':')[0]}")
+
+
+def reset(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) -> None:
+    """Set the simulated scene back for another carry: robot, panel, person, faults, and the task. Tare afterwards."""
+    with open_bus(robot, connect) as bus:
+        try:
+            set_back(Client(bus))
+        except NoReply as problem:
+            refuse(f"{problem}: is a simulated robot running? See: tandem status", 1)
+        except Refused as problem:
+            refuse(f"the scene is set back, but not the task: {problem}", 1)
+    typer.echo("the scene is as it was at the start")
 
 
 def _command(robot: str, connect: str, request: dict[str, Any]) -> None:

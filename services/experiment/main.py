@@ -1,10 +1,14 @@
-"""Command line of the experiments: `plan`, `play` (one run against a running stack), `film` and `report`."""
+"""Command line of the experiments: `plan`, `settings`, `play` (one run, on a stack made for it), `film`, `report`; and
+`run`, which makes a stack that runs already ready for a run, plays it, films and judges it.
+"""
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
 import json
+import os
+import time
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -12,8 +16,15 @@ from pathlib import Path
 from services.experiment import experiments
 from services.experiment.experiments import EXPERIMENTS
 from services.experiment.play.process import play
-from shared.loop.config import Misconfigured, OneLineParser, complain, robot_name, service_parser
+from services.experiment.play.recording import RECORDING
+from services.experiment.running import ROBOT_WITHIN, as_wanted, playable, set_back
+from shared.loop.config import Misconfigured, OneLineParser, complain, config_text, robot_name, service_parser
+from shared.loop.entry import end_at_once
+from shared.parameters import Refused
+from shared.wire.bus import NoReply
+from shared.wire.client import Client
 from shared.wire.endpoint import BusError
+from shared.wire.zenoh import ZenohBus
 
 NAME = "experiment"
 
@@ -28,24 +39,33 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         options = _parser().parse_args(arguments)
         return options.carry_out(options)
-    except (Misconfigured, BusError, ValueError, FileNotFoundError) as problem:
+    except (Misconfigured, BusError, ValueError, OSError) as problem:
         return complain(NAME, problem)
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(prog=f"python -m services.{NAME}", description=__doc__)
-    commands = parser.add_subparsers(required=True, metavar="plan|play|film|report")
+    commands = parser.add_subparsers(required=True, metavar="plan|settings|play|run|film|report")
     plan = commands.add_parser("plan", help="print runs and the settings that each needs, as JSON")
     plan.set_defaults(carry_out=_plan)
-    play = commands.add_parser("play", help="play one run against the running stack and record it")
+    settings = commands.add_parser("settings", help="print the parameters of a run, as a file for --config")
+    settings.set_defaults(carry_out=_settings)
+    play = commands.add_parser("play", help="play one run against the stack made for it, and record it")
     play.set_defaults(carry_out=_play)
-    for command in (plan, play):
+    run = commands.add_parser("run", help="play one run against any running simulation, film it and judge it")
+    run.set_defaults(carry_out=_run)
+    for command in (plan, settings, play, run):
         command.add_argument("experiment", choices=EXPERIMENTS)
     plan.add_argument("--run", action="append", default=[], metavar="NAME", help="this one, instead of all")
     shared = service_parser(NAME)
-    for option in ("--robot", "--connect"):
-        play.add_argument(option, default=shared.get_default(option[2:]))
-    play.add_argument("--run", required=True, metavar="NAME", help="as in the plan")
+    for command in (play, run):
+        for option in ("--robot", "--connect"):
+            command.add_argument(option, default=shared.get_default(option[2:]))
+    for command in (settings, play):
+        command.add_argument("--run", required=True, metavar="NAME", help="as in the plan")
+    run.add_argument("--run", default="", metavar="NAME", help="the one that is filmed, if left out")
+    run.add_argument("--out", type=Path, help="folder of the report; default runs/<experiment>-<date>")
+    run.add_argument("--no-film", action="store_true", help="render no film")
     play.add_argument("--out", type=Path, required=True, help="folder to put the recording into")
     play.add_argument("--json", action="store_true", help="progress as JSON, one object per line")
     film = commands.add_parser("film", help="render a film of a recorded run")
@@ -76,6 +96,40 @@ def _play(options: argparse.Namespace) -> int:
     return play(compose, robot_name(options.robot), options.connect, options.out, options.json)
 
 
+def _settings(options: argparse.Namespace) -> int:
+    print(config_text(EXPERIMENTS[options.experiment].run_named(options.run).settings), end="")
+    return 0
+
+
+def _run(options: argparse.Namespace) -> int:
+    experiment = EXPERIMENTS[options.experiment]
+    run = playable(experiment, options.run)
+    robot = robot_name(options.robot)
+    folder = options.out or Path("runs") / f"{experiment.name}-{time.strftime('%Y%m%d-%H%M%S')}"
+    recorded = folder / run.name / RECORDING
+    recorded.parent.mkdir(parents=True, exist_ok=True)
+    bus = ZenohBus(robot, options.connect)
+    try:
+        client = Client(bus)
+        print("setting the scene back", flush=True)
+        set_back(client, ROBOT_WITHIN)
+        with as_wanted(client, run):
+            status = play(partial(experiment.player, run), robot, options.connect, recorded.parent, as_json=False)
+    except (NoReply, Refused) as problem:
+        return complain(NAME, problem)
+    finally:
+        bus.close()
+        end_at_once()
+    if status or not recorded.exists():
+        return status
+    # What comes now has time, and the robot goes on.
+    os.nice(19)
+    if not options.no_film:
+        print("rendering the film", flush=True)
+        _film(argparse.Namespace(folder=recorded.parent))
+    return _report(argparse.Namespace(folder=folder, ran=[f"{run.name} on a running stack"]))
+
+
 def _film(options: argparse.Namespace) -> int:
     try:
         print(experiments.film(options.folder))
@@ -92,5 +146,7 @@ def _report(options: argparse.Namespace) -> int:
         print(f"{verdict}  {claim.run}: {claim.text}: {claim.figure} ({claim.limit})")
     for problem in report.problems:
         print(f"note  {problem}")
-    print(report.index)
+    failed = sum(not claim.passed for claim in report.claims)
+    print(f"{failed} of {len(report.claims)} claims fail" if failed else f"all {len(report.claims)} claims hold")
+    print(f"report: {report.index}")
     return 0 if report.good else 1

@@ -25,11 +25,13 @@ from shared.robot.gate import GateLimits
 from shared.robot.side import RobotSide
 from shared.schema.records import Record
 from shared.service import Inputs, Output, Reply, Service, Wiring
-from shared.sim_messages import BagState, HandState, PanelState, SimWorld
+from shared.sim_messages import BagState, HandState, PanelState, Reset, SimWorld
 from shared.spatial import quaternion
 from shared.topics import Query
 
 DOWN = np.array((0.0, 0.0, -1.0))
+RENEWED = (*(topic for topic in topics.TOPICS if topic.key.startswith("state/")), topics.SENSOR_CAMERA)
+"""Topics that begin a new session with a reset: the robot is elsewhere. The force sensor is the same, with its bias."""
 _STARTS = {"full": FULL_HOME, "load": HOME, "carry": CARRY_HOME}
 
 
@@ -94,6 +96,9 @@ class Simulator(Service[SimParameters]):
     def query(self, query: Query, request: Record, reply: Reply) -> None:
         """Answer ``sim/command``."""
         self._commands.carry_out(request)
+        if isinstance(request, Reset):
+            self.side.hold("the scene was set back")
+            self.renewed = RENEWED
         reply(Nothing())
 
     def notes(self) -> str:

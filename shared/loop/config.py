@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import re
 import sys
@@ -125,6 +126,15 @@ def _table(path: Path, service: str) -> Mapping[str, Any]:
     if stray:
         raise Misconfigured(f"--config {path}: {stray[0]} stands outside a table; write it below [{service}]")
     return table
+
+
+def config_text(settings: Mapping[str, Mapping[str, Any]]) -> str:
+    """Parameters (numbers, texts, booleans and lists of them) of services as a file for `--config`."""
+    tables = (
+        "".join((f"[{service}]\n", *(f"{name} = {json.dumps(value)}\n" for name, value in values.items())))
+        for service, values in settings.items()
+    )
+    return "\n".join(tables)
 
 
 def assignment(text: str) -> tuple[str, str]:

@@ -15,8 +15,7 @@ def enter(module: str) -> NoReturn:
     SIGTERM and SIGINT end the process with status 0 even while the module is still being imported. What the service
     needs and is not installed ends it with status 2 and one line.
     """
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda _number, _frame: os._exit(0))
+    end_at_once()
     try:
         status = importlib.import_module(module).main()
     except ModuleNotFoundError as problem:
@@ -26,6 +25,12 @@ def enter(module: str) -> NoReturn:
         print(_not_installed(module.split(".")[1], package), file=sys.stderr)
         status = 2
     end(status)
+
+
+def end_at_once() -> None:
+    """Have SIGTERM and SIGINT end the process with status 0 from now on, whatever it is doing."""
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda _number, _frame: os._exit(0))
 
 
 def _not_installed(service: str, package: str) -> str:

@@ -57,9 +57,9 @@ class Runner:
         self._bus = bus
         self._clock = clock
         self._report = report
-        publisher = publisher or Publisher(bus, clock)
-        self.publish = publisher.publish
-        self._turns = {topic.key: publisher.share(topic) for topic in service.wiring.shares}
+        self._publisher = publisher or Publisher(bus, clock)
+        self.publish = self._publisher.publish
+        self._turns = {topic.key: self._publisher.share(topic) for topic in service.wiring.shares}
         wiring = service.wiring
         self._driver = wiring.driver if isinstance(wiring.driver, Topic) else None
         self._period_ns = 0 if isinstance(wiring.driver, Topic) else nanoseconds(wiring.driver)
@@ -116,6 +116,9 @@ class Runner:
             elif now >= self._next_brake:
                 self._watch(now)
         self._desk.serve()
+        if self.service.renewed:
+            self._publisher.renew(self.service.renewed)
+            self.service.renewed = ()
         self._follow_demand()
         if now >= self._health_due:
             self._tell_health(self._clock.now_ns())

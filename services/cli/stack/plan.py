@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from services.cli.common import refuse
-from shared.loop.config import service_assignment
+from shared.loop.config import config_text, service_assignment
 from shared.processes import FURTHER, STACK, process_named
 from shared.wire.endpoint import DEFAULT_ENDPOINT, BusError
 from shared.wire.zenoh import ZenohBus
@@ -108,11 +108,8 @@ def check_config(path: Path | None) -> Path | None:
 
 def write_config(settings: Mapping[str, Mapping[str, Any]], path: Path) -> Path:
     """Writes parameters (numbers, texts, booleans and lists of them) as a file for `--config`; returns its path."""
-    lines = []
-    for service, values in settings.items():
-        lines += [f"[{service}]", *(f"{name} = {json.dumps(value)}" for name, value in values.items()), ""]
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("\n".join(lines), encoding="utf-8")
+    path.write_text(config_text(settings), encoding="utf-8")
     return path
 
 

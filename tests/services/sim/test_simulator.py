@@ -15,6 +15,7 @@ from services.sim.simulator import Simulator
 from shared import topics
 from shared.loop.stack import Stack
 from shared.messages import Stop, TwistCommand
+from shared.topics import Topic
 from tests.services.sim.rig import Rig
 
 DOWN = (0.0, 0.0, -0.1)
@@ -170,3 +171,20 @@ def test_topics_come_at_their_rates(settings: dict[str, float], ft_rate: float, 
     assert rig.last(topics.SIM_WORLD).time == pytest.approx(slow * rig.stack.now, abs=0.05)
     stamps = [received.header.stamp for received in rig.received["sensor/ft"]]
     assert np.diff(stamps) == pytest.approx(1e9 / ft_rate, abs=1e4)
+
+
+def test_a_reset_is_another_run_of_the_robot_at_its_start(rig: Rig) -> None:
+    def session(topic: Topic) -> int:
+        return rig.received[topic.key][-1].header.session
+
+    arm, states = rig.simulator.world.arm, [topic for topic in topics.TOPICS if topic.key.startswith("state/")]
+    start = arm.tool_position.copy()
+    rig.move(DOWN, 0.5)
+    sensor, sessions = session(topics.SENSOR_FT), {session(topic) for topic in states}
+    rig.ask(command="reset")
+    # Nobody takes a second session before the first one's silence of up to a second.
+    rig.run(1.5)
+    assert arm.tool_position == pytest.approx(start, abs=1e-4), "the last command was meant for where the robot was"
+    renewed = {session(topic) for topic in states}
+    assert len(sessions) == len(renewed) == 1 and sessions != renewed
+    assert session(topics.SENSOR_FT) == sensor
