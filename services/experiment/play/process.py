@@ -143,7 +143,7 @@ class Progress:
         else:
             said = (course.phase, event)
             line = f"{elapsed or 0.0:5.1f} s  {course.phase}"
-            line += f" ({event.name} {event.detail})" if event else ""
+            line += f" ({event.name}{event.detail and f': {event.detail}'})" if event else ""
         if said != self._said:
             print(line, flush=True)
             self._said = said

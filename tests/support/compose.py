@@ -1,0 +1,88 @@
+"""The stack in containers, as `docker compose` runs it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+from tests.support.processes import ROOT
+from tests.support.wait import eventually
+
+
+def unusable() -> str:
+    """Why there are no containers to be had here; empty if there are."""
+    if shutil.which("docker") is None or _done("docker", "info").returncode:
+        return "Docker is not installed, or its engine does not run"
+    return "" if _compose() else "neither docker compose nor docker-compose is installed"
+
+
+def _compose() -> list[str]:
+    """The command, the newer one first; empty if there is none."""
+    for command in (["docker", "compose"], ["docker-compose"]):
+        if shutil.which(command[0]) and not _done(*command, "version").returncode:
+            return command
+    return []
+
+
+def _done(*command: str, timeout: float = 60.0) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=timeout, check=False)
+
+
+class Compose:
+    """A project of its own of the compose file, built; a context manager that leaves no container and no volume.
+
+    Args:
+        project: its name.
+        override: a second file, whose words come after the first one's.
+    """
+
+    def __init__(self, project: str, override: Path | None = None) -> None:
+        files = ["-f", str(ROOT / "docker-compose.yml"), *(["-f", str(override)] if override else [])]
+        self._command = [*_compose(), "-p", project, *files]
+        self.project = project
+
+    def __enter__(self) -> Compose:
+        base = _done(str(ROOT / "deploy" / "base-image"), timeout=600.0)
+        assert base.returncode == 0, base.stderr
+        built = self.run("build", timeout=1200.0)
+        assert built.returncode == 0, built.stderr + built.stdout[-2000:]
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.run("down", "--volumes", "--timeout", "2")
+
+    def run(self, *arguments: str, timeout: float = 120.0) -> subprocess.CompletedProcess[str]:
+        """What a user types after `docker compose`."""
+        return _done(*self._command, *arguments, timeout=timeout)
+
+    def do(self, *arguments: str, timeout: float = 120.0) -> str:
+        """The same, which has to succeed; what it printed."""
+        done = self.run(*arguments, timeout=timeout)
+        assert done.returncode == 0, f"{arguments}: {done.stdout[-2000:]}{done.stderr[-2000:]}"
+        return done.stdout
+
+    def tandem(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        """The operator's command."""
+        return self.run("run", "--rm", "-T", "tandem", *arguments)
+
+    def newest(self, key: str) -> dict[str, Any]:
+        """The next message of a topic."""
+        return json.loads(self.tandem("topic", "echo", key, "--count", "1").stdout.splitlines()[0])
+
+    def inspect(self, service: str, *path: str) -> Any:
+        """What the engine knows of a service's container."""
+        found: Any = json.loads(_done("docker", "inspect", self.do("ps", "-q", "-a", service).strip()).stdout)[0]
+        for name in path:
+            found = found[name]
+        return found
+
+    def healthy(self, *services: str, within: float = 90.0) -> None:
+        """Waits until the services say that they work."""
+
+        def told() -> dict[str, str]:
+            return {name: self.inspect(name, "State", "Health", "Status") for name in services}
+
+        eventually(lambda: set(told().values()) == {"healthy"}, within, lambda: f"all healthy: {told()}")
