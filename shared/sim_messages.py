@@ -62,7 +62,7 @@ FAULTS = ("off", "stuck", "garbage", "bias", "delay", "ok")
 
 
 class Reset(Record):
-    """Set the scene back to its start."""
+    """Set the whole scene back to its start: `state/*` and `sensor/camera` begin a new session."""
 
 
 class Load(Record):

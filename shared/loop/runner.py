@@ -86,7 +86,7 @@ class Runner:
         self._required = [self.subscriptions[topic.key] for topic in wiring.required]
         for query in (*wiring.queries, *((wiring.parameters,) if wiring.parameters else ())):
             bus.serve(query.key, self._desk.inbox(query))
-        bus.alive(wiring.name, publisher.session)
+        bus.alive(wiring.name, self._publisher.session)
 
     def _subscription(self, topic: Topic) -> Subscription:
         return Subscription(topic, self._clock, named=lambda session: self._bus.present().get(session, ""))

@@ -80,9 +80,8 @@ class Compose:
         return found
 
     def healthy(self, *services: str, within: float = 90.0) -> None:
-        """Waits until the services say that they work."""
-
-        def told() -> dict[str, str]:
-            return {name: self.inspect(name, "State", "Health", "Status") for name in services}
-
-        eventually(lambda: set(told().values()) == {"healthy"}, within, lambda: f"all healthy: {told()}")
+        """Waits until each of the services has said that it works."""
+        for name in services:
+            eventually(
+                lambda name=name: self.inspect(name, "State", "Health", "Status") == "healthy", within, f"{name} works"
+            )

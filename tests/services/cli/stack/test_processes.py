@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
@@ -93,6 +94,29 @@ def test_the_person_plays_a_script_of_ones_own(stack: Process, endpoint: str, tm
     assert '"doing": "wait"' in done.stdout
     refused = tandem("hand", script.read_text().replace("wait", "dance"), "--connect", endpoint)
     assert refused.returncode == 1 and "dance" in refused.stderr
+
+
+def test_a_sensor_is_broken_and_mended(stack: Process, endpoint: str) -> None:
+    def ft() -> str:
+        return tandem("topic", "echo", "sensor/ft", "--count", "1", "--within", "1", "--connect", endpoint).stdout
+
+    assert tandem("fault", "ft", "bias", "0,0,250,0,0,0", "--connect", endpoint).returncode == 0
+    assert json.loads(ft())["force"][2] > 200.0
+    tandem("fault", "ft", "off", "--connect", endpoint)
+    assert ft() == ""
+    refused = tandem("fault", "ft", "delay", "99", "--connect", endpoint)
+    assert refused.returncode == 1 and "value is 99" in refused.stderr
+    tandem("fault", "ft", "ok", "--connect", endpoint)
+    assert abs(json.loads(ft())["force"][2]) < 200.0
+    # The controller has latched the silence.
+    assert tandem("resume", "--connect", endpoint).returncode == 0
+
+
+def test_reset_sets_the_scene_back(stack: Process, endpoint: str) -> None:
+    tandem("load", "10", "--connect", endpoint)
+    assert tandem("reset", "--connect", endpoint).stdout == "the scene is as it was at the start\n"
+    world = tandem("topic", "echo", "sim/world", "--count", "1", "--connect", endpoint).stdout
+    assert json.loads(world)["bag"] is None
 
 
 def test_stop_is_latched_until_resume(stack: Process, endpoint: str) -> None:
