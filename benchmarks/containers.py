@@ -16,7 +16,7 @@ from benchmarks.table import Row, at_most, show
 from tests.support.compose import Compose, unusable
 
 COMMAND = "python -m benchmarks.containers"
-MEASURED = ("wrench", "controller", "base")
+MEASURED = ("sim", "wrench", "controller", "base")
 HEALTH_RATE = 2  # [Hz]
 LATE_LIMIT, MOVING_LIMIT = 0.1, 15.0  # [%] and [s] aimed at
 
@@ -27,7 +27,7 @@ def rows(quick: bool) -> list[Row]:
         raise SystemExit(f"{COMMAND}: {why}")
     with Compose("tandem-benchmark") as stack:
         began = time.monotonic()
-        stack.do("up", "-d", "router", "sim", *MEASURED)
+        stack.do("up", "-d", "router", *MEASURED)
         while stack.tandem("tare").returncode:
             pass
         tared = time.monotonic() - began

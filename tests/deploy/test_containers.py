@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 import re
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -52,51 +51,14 @@ def log(stack: Compose, service: str) -> str:
     return stack.do("logs", "--no-color", service)
 
 
-def state(stack: Compose) -> str:
-    return stack.newest("task/status")["state"]
+def moves(stack: Compose) -> bool:
+    """Whether the robot may move; what a busy machine has latched is released."""
+    stack.tandem("resume")
+    return stack.newest("state/robot")["mode"] == "ready"
 
 
 def test_the_carry_begins_by_itself(stack: Compose) -> None:
     eventually(lambda: "approaching" in log(stack, "experiment"), PATIENCE, lambda: log(stack, "experiment"))
-
-
-def test_everybody_says_that_it_works(stack: Compose) -> None:
-    stack.healthy(*BY_ITSELF)
-    shown = stack.tandem("status").stdout
-    # A busy machine makes some degraded afterwards: they are alive all the same.
-    alive = [name for name in BY_ITSELF if re.search(rf"^{name} +(ok|degraded)", shown, re.MULTILINE)]
-    assert alive == [name for name in BY_ITSELF if name != ROUTER.name], shown
-
-
-def test_a_controller_that_was_stopped_is_waited_for(stack: Compose) -> None:
-    began = time.monotonic()
-    stack.do("stop", "controller")
-    assert time.monotonic() - began < 5.0, "it ends within two seconds"
-    assert stack.inspect("controller", "State", "ExitCode") == 0
-    assert stack.newest("state/robot")["mode"] == "holding"
-    assert "waiting" in stack.newest("task/status")["reason"]
-    stack.do("start", "controller")
-    eventually(lambda: stack.newest("state/robot")["mode"] == "ready", PATIENCE, "it goes on")
-    assert state(stack) != "holding"
-
-
-def test_a_task_that_was_killed_carries_on(stack: Compose) -> None:
-    eventually(lambda: state(stack) == "carrying", PATIENCE, lambda: log(stack, "experiment"))
-    stack.do("kill", "task")
-    stack.do("start", "task")
-    eventually(lambda: state(stack) in ("carrying", "releasing"), PATIENCE, "it goes by its journal")
-
-
-def test_a_hung_router_stops_the_arm_and_the_log_says_why(stack: Compose) -> None:
-    stack.do("kill", "-s", "STOP", "router")
-    eventually(lambda: "silent" in log(stack, "controller"), PATIENCE, "its reason")
-    stack.do("kill", "-s", "CONT", "router")
-    eventually(lambda: stack.newest("state/robot")["mode"] == "ready", PATIENCE, "it goes on")
-
-
-def test_a_process_that_dies_is_restarted(stack: Compose) -> None:
-    stack.run("exec", "-T", "base", "python", "-c", "import os; os.kill(1, 15)")
-    eventually(lambda: stack.inspect("base", "RestartCount") == 1, PATIENCE, "the engine restarts it")
 
 
 def test_another_experiment_is_played_and_its_report_is_its_reader_s(stack: Compose, runs: Path) -> None:
@@ -105,4 +67,47 @@ def test_another_experiment_is_played_and_its_report_is_its_reader_s(stack: Comp
     assert "claims" in done.stdout, done.stdout + done.stderr
     (page,) = runs.glob("load-*/index.html")
     assert page.stat().st_uid == runs.stat().st_uid
-    stack.do("stop", "sim", "wrench", "base", "router")
+
+
+def test_a_controller_that_was_stopped_is_waited_for(stack: Compose) -> None:
+    # The experiment's target is still in force.
+    eventually(lambda: moves(stack), PATIENCE)
+    stack.do("stop", "controller")
+    assert stack.inspect("controller", "State", "ExitCode") == 0, "it ended by itself, within two seconds"
+    assert stack.newest("state/robot")["mode"] == "holding"
+    stack.do("start", "controller")
+    assert stack.run("run", "-d", "--rm", "tandem", "hold", "0.5", "-0.3", "1", "0", "0", "0").returncode == 0
+    eventually(lambda: moves(stack), PATIENCE, "it goes on")
+
+
+def test_a_hung_router_stops_the_arm_and_the_log_says_why(stack: Compose) -> None:
+    told = log(stack, "controller").count("allowed are")
+    stack.do("kill", "-s", "STOP", "router")
+    eventually(lambda: log(stack, "controller").count("allowed are") > told, PATIENCE, "its reason")
+    stack.do("kill", "-s", "CONT", "router")
+    eventually(lambda: moves(stack), PATIENCE, "it goes on")
+
+
+def test_what_was_tared_outlives_a_killed_process_but_not_the_robot(stack: Compose) -> None:
+    def known() -> str:
+        return stack.newest("wrench/external")["compensation"]
+
+    before = known()
+    assert before != "none"
+    stack.do("kill", "wrench")
+    stack.do("start", "wrench")
+    eventually(lambda: known() == before, PATIENCE, "it goes by its journal")
+    elapsed = stack.newest("sim/world")["time"]
+    stack.do("restart", "sim")
+    eventually(lambda: stack.newest("sim/world")["time"] < elapsed, PATIENCE, "a new robot")
+
+
+def test_a_process_that_dies_is_restarted_and_everybody_works(stack: Compose) -> None:
+    stack.run("exec", "-T", "base", "python", "-c", "import os; os.kill(1, 15)")
+    eventually(lambda: stack.inspect("base", "RestartCount") == 1, PATIENCE, "the engine restarts it")
+    stack.tandem("resume")
+    stack.healthy(*BY_ITSELF)
+    shown = stack.tandem("status").stdout
+    # A busy machine makes some degraded afterwards: they are alive all the same.
+    alive = [name for name in BY_ITSELF if re.search(rf"^{name} +(ok|degraded)", shown, re.MULTILINE)]
+    assert alive == [name for name in BY_ITSELF if name != ROUTER.name], shown
