@@ -62,8 +62,8 @@ ifdef PYTEST_ARGS
 	@$(BIN)/python -m pytest $(PYTEST_ARGS)
 else
 	@$(BIN)/python -m pytest -m "not processes" $(SHARED)
-	@$(BIN)/python -m pytest -m processes --ignore tests/system $(SHARED)
-	@$(BIN)/python -m pytest -m processes tests/system  # in real time: no other test beside it
+	@$(BIN)/python -m pytest -m processes --ignore tests/system --ignore tests/deploy $(SHARED)
+	@$(BIN)/python -m pytest -m processes tests/system tests/deploy  # in real time: no other test beside it
 endif
 
 lint: $(READY) ## style, layers and types

@@ -110,13 +110,16 @@ def _run(options: argparse.Namespace) -> int:
     recorded.parent.mkdir(parents=True, exist_ok=True)
     bus = ZenohBus(robot, options.connect)
     try:
+        if NAME in bus.living():
+            raise Refused(f"another one is played as {robot} on {options.connect}: wait for its end, or end it first")
         client = Client(bus)
         print("setting the scene back", flush=True)
         set_back(client, ROBOT_WITHIN)
         with as_wanted(client, run):
             status = play(partial(experiment.player, run), robot, options.connect, recorded.parent, as_json=False)
     except (NoReply, Refused) as problem:
-        return complain(NAME, problem)
+        complain(NAME, problem)
+        return 1
     finally:
         bus.close()
         end_at_once()
