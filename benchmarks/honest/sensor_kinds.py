@@ -22,7 +22,7 @@ DEFAULTS = WrenchParameters()
 BIAS_BOUND = np.array(DEFAULTS.bias_bound)
 NOISE_BOUND = np.array(DEFAULTS.noise_bound)
 ZERO_DRIFT = np.array(DEFAULTS.zero_drift)  # [N, Nm] per minute
-COARSE = "too few different readings have been seen to know that all of them stand on a grid"
+COARSE = "too few different readings have been seen to know of steps or a dead zone"
 LATER = "the sensor drifts faster than is declared, and a drift reads as a touch that grows"
 
 
@@ -200,12 +200,13 @@ def digital_untold(random: Random) -> Case:
     sensor.sigma = NOISE_BOUND / 5.0 * random.uniform(0.1, 0.6)
     sensor.step = NOISE_BOUND * random.choice((random.uniform(0.02, 0.8), random.uniform(1.0, 5.0)))
     sound_so = bool(sensor.step[0] <= sensor.sigma[0])  # the noise moves it often enough: that needs no declaration
+    return Case(sensor, how=either(random), sound=sound_so, excuse=COARSE, then=_again)
 
-    def then(trial: Trial) -> None:
-        trial.excuse = ""
-        trial.use()
 
-    return Case(sensor, how=either(random), sound=sound_so, excuse=COARSE, then=then)
+def _again(trial: Trial) -> None:
+    """By now its readings have shown what they are like."""
+    trial.excuse = ""
+    trial.use()
 
 
 def noise_free(random: Random) -> Case:
@@ -236,7 +237,7 @@ def dead_zone(random: Random) -> Case:
     if random.random() < 0.5:
         return Case(sensor, resolved(sensor, 2.0 * sensor.dead), either(random))
     # Small forces after large ones let an axis repeat zero: that need not be known at once.
-    return Case(sensor, how=either(random), sound=False, excuse="", lulls=True)
+    return Case(sensor, how=either(random), sound=False, excuse=COARSE, then=_again, lulls=True)
 
 
 def repeated(random: Random) -> Case:
