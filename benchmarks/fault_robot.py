@@ -7,7 +7,10 @@ import threading
 from services.mock.parameters import MockParameters
 from services.mock.robot import MockRobot
 from shared.clock import SteadyClock
+from shared.processes import LINKED
 from shared.service import Inputs, Output
+from shared.topics import ROBOT
+from shared.wire.links import links_of
 from tests.support.spoilt_bus import SpoiltBus, live
 
 RATE, STEPS = 100.0, 5
@@ -25,9 +28,9 @@ class FaultRobot(MockRobot):
         longest_gap: longest time [s] between two looks of its gate, since set to zero; nominally 2 ms.
     """
 
-    def __init__(self, endpoint: str) -> None:
+    def __init__(self, endpoint: str, links: str = "") -> None:
         super().__init__(MockParameters(rate=RATE, pose_rate=RATE, steps=STEPS, still=True, max_linear=0.3))
-        self.bus = SpoiltBus(endpoint)
+        self.bus = SpoiltBus(endpoint, links=links_of(ROBOT, LINKED, links, "tiago", endpoint))
         self.stopped_ns = self.moving_ns = 0
         self.moving = False
         self.longest_gap = 0.0

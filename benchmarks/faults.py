@@ -19,7 +19,7 @@ import msgpack
 from benchmarks.fault_robot import FaultRobot
 from benchmarks.table import Row, at_most
 from shared.messages import Stop
-from shared.topics import CONTROL_TARGET, SENSOR_FT, STOP
+from shared.topics import CONTROL_TARGET, ROBOT, SENSOR_FT, STOP
 from shared.wire.client import Client
 from tests.faults.programs import (
     AHEAD,
@@ -34,6 +34,7 @@ from tests.faults.programs import (
 )
 from tests.support.ports import free_endpoint
 from tests.support.processes import Process, Processes
+from tests.support.relay import Crossings
 from tests.support.spoilt_bus import Spoil
 
 COMMAND = "python -m benchmarks.faults"
@@ -42,15 +43,22 @@ LATEST_GATE = 0.01
 """Longest time [s] between two looks of the robot's gate with which an injection still counts: five of its periods."""
 
 
-class Stack:
-    """Router, wrench and controller as processes, and a robot in this one."""
+CHAIN = (ROBOT, "wrench", "controller")
 
-    def __init__(self, processes: Processes, state: str) -> None:
-        self._processes, self._state = processes, state
+
+class Stack:
+    """Router, wrench and controller as processes, and a robot in this one.
+
+    Attributes:
+        crossings: where their links can be cut, if they can.
+    """
+
+    def __init__(self, processes: Processes, state: str, crossings: Crossings | None = None) -> None:
+        self._processes, self._state, self.crossings = processes, state, crossings
         self.endpoint = free_endpoint()
         self.router = self.start("router")
         self.wrench, self.controller = self.start("wrench"), self.start("controller")
-        self.robot = FaultRobot(self.endpoint)
+        self.robot = FaultRobot(self.endpoint, crossings.patterns[ROBOT] if crossings else "")
         processes.callback(self.robot.close)
         self.client = Client(self.robot.bus)
         wait(lambda: tared(self.client))
@@ -59,8 +67,9 @@ class Stack:
         """A process with its defaults, in the place of one that is no more."""
         if name == "router":
             return self._processes.router(self.endpoint)
+        links = ("--links", self.crossings.patterns[name]) if self.crossings else ()
         environment = {"XDG_STATE_HOME": self._state}
-        return self._processes.start(f"services.{name}", "--connect", self.endpoint, environment=environment)
+        return self._processes.start(f"services.{name}", "--connect", self.endpoint, *links, environment=environment)
 
     def work(self) -> None:
         """Wait for steady motion."""
@@ -103,7 +112,7 @@ class Fault:
     name: str
     promise: float
     inject: Callable[[Stack], int]
-    mend: Callable[[Stack], None]
+    mend: Callable[[Stack], object]
     braked: list[float] = field(default_factory=list)
     back: list[float] = field(default_factory=list)
     discarded: int = 0
@@ -187,18 +196,39 @@ def _faults() -> list[Fault]:
         Fault("wrench killed", 0.06, _signal("wrench", signal.SIGKILL), _restart("wrench")),
         Fault("wrench hung", 0.06, _signal("wrench", signal.SIGSTOP), _wake("wrench")),
         Fault("router killed", 0.06, _signal("router", signal.SIGKILL), _restart("router")),
-        Fault("router hung", 0.06, _signal("router", signal.SIGSTOP), _wake("router")),
+        Fault("router hung", 0.3, _signal("router", signal.SIGSTOP), _wake("router")),
+    ]
+
+
+def _cut(source: str, sink: str, passes: bool) -> Callable[[Stack], int]:
+    def cut(stack: Stack) -> int:
+        onset = time.monotonic_ns()
+        assert stack.crossings is not None
+        stack.crossings.cut(source, sink, passes)
+        return onset
+
+    return cut
+
+
+def _cuts() -> list[Fault]:
+    ways = ((ROBOT, "wrench"), ("wrench", "controller"), ("controller", ROBOT))
+    return [
+        Fault(f"link from {source} to {sink} cut", 0.06, _cut(source, sink, False), _cut(source, sink, True))
+        for source, sink in ways
     ]
 
 
 def measured(repeats: int) -> Iterator[Fault]:
     """Every fault, injected so many times; each as soon as it is measured."""
-    with tempfile.TemporaryDirectory() as folder, Processes(Path(folder)) as processes:
-        stack = Stack(processes, folder)
-        for fault in _faults():
-            while len(fault.braked) < repeats and fault.discarded < 10 * repeats:
-                fault.measure(stack)
-            yield fault
+    for faults, crossings in ((_faults(), None), (_cuts(), Crossings(CHAIN))):
+        with tempfile.TemporaryDirectory() as folder, Processes(Path(folder)) as processes:
+            stack = Stack(processes, folder, crossings)
+            for fault in faults:
+                while len(fault.braked) < repeats and fault.discarded < 10 * repeats:
+                    fault.measure(stack)
+                yield fault
+        if crossings:
+            crossings.close()
 
 
 def quantile(values: list[float], share: float) -> float:

@@ -283,4 +283,8 @@ class Health(Record):
     loop_p50_us: float = of(Number("us", minimum=0.0))
     loop_p99_us: float = of(Number("us", minimum=0.0))
     overruns: int = of(Integer(minimum=0))
-    inputs: dict[str, InputHealth] = of(MapOf(record=InputHealth))
+    inputs: dict[str, InputHealth] = of(MapOf(kind=RecordOf(record=InputHealth)))
+    links: dict[str, bool] = of(
+        MapOf(doc="by name of a process: whether the direct link that the service needs is there", kind=Boolean()),
+        default={},
+    )

@@ -28,6 +28,7 @@ class Process:
         speaks_as: its name among publishers and servers of `shared/topics.py`; the name itself if empty.
         service: it runs the loop of `shared/loop`: liveliness token, health, `--config` with a table of its name.
         settable: it takes parameters, by `--set` and from its table.
+        linked: it belongs to the chain, whose processes have direct links to each other.
         options: that it has to be started with; {robot}, {endpoint} and {folder} stand for what the caller chooses.
     """
 
@@ -39,6 +40,7 @@ class Process:
     speaks_as: str = ""
     service: bool = True
     settable: bool = True
+    linked: bool = False
     options: tuple[str, ...] = ON_THE_BUS
 
     @property
@@ -78,15 +80,27 @@ SIM = Process(
     image="sim",
     extra="sim",
     speaks_as=ROBOT,
+    linked=True,
 )
 MOCK = Process(
-    "mock", "a robot without physics behind the gate: it does at once what it is told", "by hand", speaks_as=ROBOT
+    "mock",
+    "a robot without physics behind the gate: it does at once what it is told",
+    "by hand",
+    speaks_as=ROBOT,
+    linked=True,
 )
-WRENCH = Process("wrench", "gravity compensation, error bound, sensor faults", "always")
-CONTROLLER = Process("controller", "the control laws", "always", image="controller", extra="controller")
-BASE = Process("base", "moves the mobile base as a free-floating body under the wrench, while enabled", "with")
+WRENCH = Process("wrench", "gravity compensation, error bound, sensor faults", "always", linked=True)
+CONTROLLER = Process("controller", "the control laws", "always", image="controller", extra="controller", linked=True)
+BASE = Process(
+    "base", "moves the mobile base as a free-floating body under the wrench, while enabled", "with", linked=True
+)
 TASK = Process(
-    "task", "the carry: finds and grasps the panel, says what to hold, lets go", "with", image="task", extra="task"
+    "task",
+    "the carry: finds and grasps the panel, says what to hold, lets go",
+    "with",
+    image="task",
+    extra="task",
+    linked=True,
 )
 EXPERIMENT = Process(
     "experiment",
@@ -111,6 +125,8 @@ ROBOTS = (*(process.name for process in PROCESSES if process.publisher == ROBOT)
 """The processes of which one stands for the robot: the last of them is whatever a real robot has."""
 HEALTHY = (*SERVICES, ROBOT)
 """Whoever may tell a health."""
+LINKED = tuple(dict.fromkeys(process.publisher for process in PROCESSES if process.linked))
+"""Names in `shared/topics.py` of the processes of the chain."""
 FURTHER = tuple(process.name for process in PROCESSES if process.started == "with")
 """The services that a stack has if it is told so."""
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from shared.messages import Header
 from shared.schema.fields import Anything, Boolean, Bytes, Integer, Kind, Number, Quaternion, Text, TextList, Vector
-from shared.schema.records import AnyMap, MapOf, Nullable, Record, RecordOf
+from shared.schema.records import MapOf, Nullable, Record, RecordOf
 from shared.topics import ANYBODY, QUERIES, ROBOT, TOPICS, health_topic
 
 _PREAMBLE = """\
@@ -53,9 +53,7 @@ def _type_name(kind: Kind) -> str:
     if isinstance(kind, RecordOf):
         return "map"
     if isinstance(kind, MapOf):
-        return "map of maps"
-    if isinstance(kind, AnyMap):
-        return "map"
+        return "map" if isinstance(kind.kind, Anything) else f"map of {_type_name(kind.kind)}s"
     if isinstance(kind, Nullable):
         return f"{_type_name(kind.kind)} or null"
     for cls, name in _TYPES:
@@ -92,8 +90,8 @@ def _fields(record: type[Record], indent: str = "") -> Iterator[str]:
     for name, kind, default in record.kinds():
         about = ", ".join(part for part in (kind.unit, _range(kind), kind.doc, _absent(default)) if part)
         yield f"{indent}- `{name}` {_type_name(kind)}{': ' + about if about else ''}"
-        inner = kind.kind if isinstance(kind, Nullable) else kind
-        if isinstance(inner, (RecordOf, MapOf)) and inner.record is not None:
+        inner = kind.kind if isinstance(kind, (MapOf, Nullable)) else kind
+        if isinstance(inner, RecordOf) and inner.record is not None:
             yield from _fields(inner.record, indent + "  ")
 
 

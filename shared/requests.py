@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from shared.schema.fields import Anything, Boolean, Integer, Number, Text, Vector
-from shared.schema.records import AnyMap, MapOf, Nullable, Record, of
+from shared.schema.records import MapOf, Nullable, Record, RecordOf, of
 
 SHORTEST_AVERAGE, LONGEST_AVERAGE = 0.1, 30.0
 """Duration [s] of one measurement."""
@@ -102,7 +102,7 @@ class TaskAnswer(Record):
 class ParameterRequest(Record):
     """Change what is named in ``set``, all or nothing; without it only the table is asked for."""
 
-    set: dict[str, Any] | None = of(Nullable(kind=AnyMap(doc="name -> value")), default=None)
+    set: dict[str, Any] | None = of(Nullable(kind=MapOf(doc="name -> value")), default=None)
 
 
 class ParameterRow(Record):
@@ -118,4 +118,4 @@ class ParameterRow(Record):
 class ParameterTable(Record):
     """All parameters by their names, as they are in force."""
 
-    parameters: dict[str, ParameterRow] = of(MapOf(record=ParameterRow))
+    parameters: dict[str, ParameterRow] = of(MapOf(kind=RecordOf(record=ParameterRow)))

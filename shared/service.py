@@ -82,13 +82,20 @@ class Reading(Generic[M]):
 
 @dataclass
 class Inputs:
-    """The newest messages at the instant of a step."""
+    """The newest messages at the instant of a step.
+
+    Attributes:
+        cut_off: why nobody but the processes of the chain can reach the service, a stop neither; empty if they can.
+        links: whether there is a direct link to each other process of the chain, up to half a second ago.
+    """
 
     _readings: dict[str, Reading] = field(default_factory=dict)
     _refusals: dict[str, str] = field(default_factory=dict)
     _wanted: frozenset[str] = frozenset()
     _refused: dict[str, str] = field(default_factory=dict)
     _taken: dict[str, str] = field(default_factory=dict)
+    cut_off: str = ""
+    links: Mapping[str, bool] = field(default_factory=dict)
 
     def __getitem__(self, topic: Topic[M]) -> Reading[M]:
         return self._readings[topic.key]

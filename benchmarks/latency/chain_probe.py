@@ -15,9 +15,11 @@ from benchmarks.latency.pacing import WARM_UP, printed
 from services.mock.parameters import MockParameters
 from services.mock.robot import MockRobot
 from shared.messages import ControlTarget
-from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, SENSOR_FT, health_topic
+from shared.processes import LINKED
+from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, ROBOT, SENSOR_FT, health_topic
 from shared.wire.bus import OnPayload, Work
 from shared.wire.client import Client
+from shared.wire.links import links_of
 from shared.wire.zenoh import ZenohBus
 from tests.support.spoilt_bus import live
 from tests.support.wait import eventually
@@ -31,7 +33,8 @@ class TimedBus(ZenohBus):
     """A bus that notes when samples leave and commands arrive, in ns of the steady clock."""
 
     def __init__(self, endpoint: str) -> None:
-        super().__init__(connect=endpoint)
+        super().__init__(connect=endpoint, links=links_of(ROBOT, LINKED, "", "tiago", endpoint))
+        self.link()
         self.puts: list[int] = []
         self.arrivals: list[int] = []
 

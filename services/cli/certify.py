@@ -25,6 +25,7 @@ from shared.parameters import Refused
 from shared.spatial import Array, rotation_matrix
 from shared.wire.bus import NoReply
 from shared.wire.client import Client
+from shared.wire.credentials import Credentials
 from shared.wire.endpoint import BusError
 from shared.wire.subscription import Received
 from shared.wire.zenoh import ZenohBus
@@ -98,7 +99,7 @@ def _running(robot: str, connect: str) -> Running | None:
     """What the running controller is to be certified with; None if there is none."""
     deadline = time.monotonic() + FOUND_WITHIN
     try:
-        bus = ZenohBus(robot, connect, give_up=lambda: time.monotonic() > deadline)
+        bus = ZenohBus(robot, connect, give_up=lambda: time.monotonic() > deadline, credentials=Credentials.given())
     except BusError:
         return None
     try:

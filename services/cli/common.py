@@ -18,6 +18,7 @@ from shared.processes import speakers
 from shared.topics import Query
 from shared.wire.bus import Bus, NoReply
 from shared.wire.client import Client
+from shared.wire.credentials import Credentials
 from shared.wire.endpoint import DEFAULT_ENDPOINT as DEFAULT_ENDPOINT
 from shared.wire.endpoint import BusError
 from shared.wire.subscription import Subscription
@@ -56,7 +57,9 @@ def open_bus(
         refuse(f"--robot {robot!r}: wanted one chunk of a key, without / * $ # ?")
     deadline = time.monotonic() + within
     try:
-        bus = ZenohBus(robot, connect, give_up=lambda: give_up() or time.monotonic() > deadline)
+        bus = ZenohBus(
+            robot, connect, give_up=lambda: give_up() or time.monotonic() > deadline, credentials=Credentials.given()
+        )
     except BusError as problem:
         if give_up() or time.monotonic() > deadline:
             refuse(f"no router at {connect}. Start a stack with: tandem up, or choose another with --connect", 1)

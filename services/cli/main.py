@@ -13,6 +13,7 @@ from services.cli.certify import certify
 from services.cli.common import USAGE
 from services.cli.hold import hold
 from services.cli.identify import identify
+from services.cli.keys import keys
 from services.cli.status import status
 from services.cli.stop import resume, stop
 from services.cli.up import start, up
@@ -43,6 +44,7 @@ commands.command()(requests.cover)
 commands.command(context_settings=NUMBERS)(requests.fault)
 commands.command()(requests.reset)
 commands.command()(certify)
+commands.command()(keys)
 
 
 def app(arguments: Sequence[str] | None = None) -> NoReturn:

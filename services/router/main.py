@@ -9,8 +9,9 @@ from pathlib import Path
 
 from shared.loop.config import Misconfigured, OneLineParser, complain
 from shared.loop.process import StopRequest
+from shared.wire.credentials import Credentials
 from shared.wire.endpoint import DEFAULT_ENDPOINT, BusError
-from shared.wire.zenoh import open_router
+from shared.wire.zenoh_sessions import open_router
 
 NAME = "router"
 
@@ -29,9 +30,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help="endpoint to listen on (default: %(default)s); the other processes need it as --connect",
     )
     parser.add_argument("--config", type=Path, help="Zenoh's own JSON5 configuration, which then decides everything")
+    parser.add_argument(
+        "--secure",
+        default=os.environ.get("TANDEM_SECURE", ""),
+        metavar="FOLDER",
+        help="certificates of the router, made by `tandem keys`: nobody does anything but what a certificate allows",
+    )
+    parser.add_argument(
+        "--robot",
+        action="append",
+        help="robots that it serves with --secure; may be given several times (default: tiago)",
+    )
     try:
         options = parser.parse_args(arguments)
-        session = open_router(options.listen, options.config)
+        robots = options.robot or os.environ.get("TANDEM_ROBOT", "tiago").split(",")
+        session = open_router(options.listen, options.config, Credentials.of(options.secure), robots)
     except (BusError, Misconfigured) as problem:
         return complain(NAME, problem)
     where = f"as {options.config} says" if options.config else f"on {options.listen}"

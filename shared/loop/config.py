@@ -32,6 +32,8 @@ class Settings(Generic[P]):
 
     robot: str
     connect: str
+    links: str
+    secure: str
     parameters: P
 
 
@@ -51,6 +53,19 @@ def service_parser(service: str) -> OneLineParser:
         "--connect", default=os.environ.get("TANDEM_CONNECT", DEFAULT_ENDPOINT), help="endpoint of the Zenoh router"
     )
     parser.add_argument(
+        "--links",
+        default=os.environ.get("TANDEM_LINKS", ""),
+        metavar="ENDPOINT",
+        help="direct links to the other processes of the chain: an endpoint with {name}, such as tcp/{name}:7448, or "
+        "off (default: sockets if the router is on this machine, else off)",
+    )
+    parser.add_argument(
+        "--secure",
+        default=os.environ.get("TANDEM_SECURE", ""),
+        metavar="FOLDER",
+        help="certificates of this process, made by `tandem keys`, for a closed network",
+    )
+    parser.add_argument(
         "--config", default=os.environ.get("TANDEM_CONFIG") or None, help="TOML file, one table per service"
     )
     parser.add_argument(
@@ -66,9 +81,8 @@ def settings(service: str, parameters: type[P], arguments: Sequence[str] | None 
         Misconfigured: with one line that names the option or key, what was given and what is allowed.
     """
     options = service_parser(service).parse_args(arguments)
-    return Settings(
-        robot_name(options.robot), options.connect, service_parameters(service, parameters, options.config, options.set)
-    )
+    chosen = service_parameters(service, parameters, options.config, options.set)
+    return Settings(robot_name(options.robot), options.connect, options.links, options.secure, chosen)
 
 
 def robot_name(name: str) -> str:

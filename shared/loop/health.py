@@ -19,6 +19,7 @@ def health(
     timing: LoopTiming,
     subscriptions: Mapping[str, Subscription],
     taken: Mapping[str, str],
+    links: Mapping[str, bool],
 ) -> Health:
     """How a service is.
 
@@ -29,6 +30,7 @@ def health(
         timing: of its loop.
         subscriptions: its inputs, by key.
         taken: by key, who else publishes what it publishes, and was first.
+        links: whether there is a direct link to each other process of the chain.
     """
     own = service.notes() if fault is None else fault.text
     unused = {key: refused.text for key, one in subscriptions.items() if (refused := one.refused(now_ns))}
@@ -49,6 +51,11 @@ def health(
     else:
         state = "fault" if fault.kind is FaultKind.INTERNAL else "degraded"
     required = {topic.key for topic in service.wiring.required}
+    publishers = {topic.key: topic.publishers for topic in service.wiring.required}
+    needed = {name: up for names in publishers.values() for name in names if (up := links.get(name)) is not None}
+    # Who has no link may speak through the router, as a client: its absence is a cause only where something is missing.
+    if fault and (missing := [name for name in publishers.get(fault.key, ()) if needed.get(name) is False]):
+        detail += f"; there is no direct link to {' or '.join(missing)}"
     inputs = {}
     for key, subscription in subscriptions.items():
         # What may be missing, and what holds until it is replaced, has no fault by being silent.
@@ -59,4 +66,4 @@ def health(
             rejected=subscription.rejected + subscription.out_of_order + subscription.second_session,
             ok=key not in unused and (not judged or subscription.fault(now_ns, service.max_delay) is None),
         )
-    return Health(state, detail, *timing.summary(now_ns), timing.overruns, inputs)
+    return Health(state, detail, *timing.summary(now_ns), timing.overruns, inputs, needed)

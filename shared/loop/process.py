@@ -15,8 +15,12 @@ from shared.loop.config import Misconfigured, complain, settings
 from shared.loop.door import SECOND, Door, Occupied
 from shared.loop.runner import Runner
 from shared.parameters import Parameters, Refused
+from shared.processes import LINKED, process_named
 from shared.service import Service
+from shared.topics import ROBOT
+from shared.wire.credentials import Credentials
 from shared.wire.endpoint import BusError, check_endpoint
+from shared.wire.links import OFF, NoLinks, links_of
 from shared.wire.publisher import Publisher
 from shared.wire.zenoh import ZenohBus
 
@@ -54,8 +58,12 @@ def run(make: Callable[[P], Service], parameters: type[P], name: str, arguments:
         chosen = settings(name, parameters, arguments)
         check_endpoint("--connect", chosen.connect)
         service = make(chosen.parameters)
-        bus = ZenohBus(chosen.robot, chosen.connect, give_up=told_waiting(name, chosen.connect, stop))
-    except (Misconfigured, Refused) as problem:
+        own, credentials = process_named(name).publisher, Credentials.of(chosen.secure)
+        # On a closed network sockets would do without certificates.
+        links = links_of(own, LINKED, chosen.links or (OFF if credentials else ""), chosen.robot, chosen.connect)
+        told = told_waiting(name, chosen.connect, stop)
+        bus = ZenohBus(chosen.robot, chosen.connect, told, links, own == ROBOT, credentials)
+    except (Misconfigured, NoLinks, Refused) as problem:
         return complain(name, problem)
     except BusError as problem:
         return 0 if stop.requested else complain(name, problem)
@@ -63,12 +71,15 @@ def run(make: Callable[[P], Service], parameters: type[P], name: str, arguments:
     door = Door(bus, name, publisher.session, f"as {chosen.robot} on {chosen.connect}")
     try:
         door.enter(give_up=lambda: stop.requested)
+        bus.link(give_up=lambda: stop.requested)
         if not stop.requested:
             loop = Loop(stop, door.gives_way)
             loop.run(Runner(service, bus, SteadyClock(), stop.wake.set, loop.on_driver, _report, publisher))
     except Occupied as problem:
         _report(f"{name}: {problem}")
         return SECOND
+    except BusError as problem:
+        return 0 if stop.requested else complain(name, problem)
     finally:
         bus.close()
     return 0

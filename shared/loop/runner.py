@@ -77,6 +77,7 @@ class Runner:
         self.timing = LoopTiming(clock)
         self._health_topic = health_topic(wiring.name)
         self._health_due = 0
+        self._links = bus.links()
         self._desk = QueryDesk(self.service, wake)
         for topic in dict.fromkeys((*wiring.required, *wiring.optional)):
             subscription = self.subscriptions[topic.key] = self._subscription(topic)
@@ -242,7 +243,7 @@ class Runner:
             readings[key] = Reading(latest.message, latest.header, age, new)
         on_demand = self.service.wiring.on_demand
         wanted = frozenset(topic.key for topic in on_demand if self._bus.wanted(topic.key))
-        return Inputs(readings, refusals, wanted, refused, self._taken())
+        return Inputs(readings, refusals, wanted, refused, self._taken(), self._bus.cut_off(), self._links)
 
     def _taken(self) -> dict[str, str]:
         """By key, who else publishes what the service publishes at present, and was first."""
@@ -256,7 +257,8 @@ class Runner:
 
     def _tell_health(self, now: int) -> None:
         self._health_due = now + _HEALTH_PERIOD_NS
-        message = health(now, self.service, self.fault, self.timing, self.subscriptions, self._taken())
+        self._links = self._bus.links()
+        message = health(now, self.service, self.fault, self.timing, self.subscriptions, self._taken(), self._links)
         self.publish(self._health_topic, message, valid=self.fault is None)
 
     def close(self) -> None:

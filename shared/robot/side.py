@@ -89,6 +89,8 @@ class RobotSide:
         self.freeze = False
         self._live = 0.0
         self._refusals: list[str] = []
+        self._cut_off = ""
+        self._unlinked = False
         self._told = ""
         self._told_held = 0
         self._until_report = 0.0
@@ -98,6 +100,7 @@ class RobotSide:
 
         A stop engages whatever its publisher thinks of itself; only a valid message releases it. What is asked of
         gripper and head meanwhile is refused for good: nothing moves at a release but what is commanded after it.
+        While nobody could stop the robot, arm and base execute nothing.
 
         Args:
             inputs: of this step.
@@ -110,6 +113,10 @@ class RobotSide:
             self.base_gate.stop(stop.message.engaged)
         self._pending.take(inputs, behind)
         self._pending_base.take(inputs, behind)
+        self._cut_off = inputs.cut_off
+        self._unlinked = inputs.links.get(COMMAND_EE_TWIST.publisher) is False
+        if self._cut_off:
+            self._command_nothing()
         self.freeze = self.mode == "stopped" and before != "stopped"
         # What comes in one step with a release may have been given before it.
         stopped = "stopped" in (before, self.mode)
@@ -157,7 +164,9 @@ class RobotSide:
             return []
         gate, base = self.gate, self.base_gate
         parts = (
+            self._cut_off and f"nobody could stop the robot: {self._cut_off}",
             "" if mode == "ready" else gate.reason,
+            f"no direct link to {COMMAND_EE_TWIST.publisher}" if mode == "holding" and self._unlinked else "",
             *reasons,
             _counted(gate.clamped, "commands clamped"),
             _counted(gate.expired, "commands expired"),
@@ -172,12 +181,15 @@ class RobotSide:
 
     def hold(self, reason: str) -> list[Output]:
         """Execute nothing until the next command, and say why: the process itself does not work."""
+        self._command_nothing()
+        self._live = 0.0
+        return [self._status(self.mode, reason)]
+
+    def _command_nothing(self) -> None:
         self.gate.command(np.zeros(3), np.zeros(3), ttl=0.0, age=0.0, valid=False)
         self.base_gate.command(np.zeros(3), ttl=0.0, age=0.0, valid=False)
         self._pending.drop()
         self._pending_base.drop()
-        self._live = 0.0
-        return [self._status(self.mode, reason)]
 
     def _status(self, mode: str, reason: str) -> Output:
         self._told, self._told_held = mode, self.gate.held

@@ -215,30 +215,16 @@ class RecordOf(Kind):
         return self.record.from_plain(value, f"{name}.")
 
 
-def _text_map(value: Any, name: str) -> dict[str, Any]:
-    if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
-        raise InvalidField(f"{name} is {shown(value)}, wanted a map of names and values")
-    return value
-
-
 @dataclass(frozen=True)
 class MapOf(Kind):
-    """A map from text to records of one type."""
+    """A map from text to values of one kind."""
 
-    record: type[Record] | None = None
-
-    def check(self, value: Any, name: str) -> dict[str, Any]:
-        assert self.record is not None
-        one = RecordOf(record=self.record)
-        return {key: one.check(item, f"{name}[{shown(key)}]") for key, item in _text_map(value, name).items()}
-
-
-@dataclass(frozen=True)
-class AnyMap(Kind):
-    """A map from text to anything."""
+    kind: Kind = field(default_factory=Anything)
 
     def check(self, value: Any, name: str) -> dict[str, Any]:
-        return dict(_text_map(value, name))
+        if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
+            raise InvalidField(f"{name} is {shown(value)}, wanted a map with text keys")
+        return {key: self.kind.check(item, f"{name}[{shown(key)}]") for key, item in value.items()}
 
 
 @dataclass(frozen=True)

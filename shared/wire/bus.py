@@ -86,6 +86,14 @@ class Bus(Protocol):
         """Whether there is a way to the others at present."""
         ...
 
+    def links(self) -> dict[str, bool]:
+        """Whether there is a direct link to each other process of the chain; empty if none is wanted."""
+        ...
+
+    def cut_off(self) -> str:
+        """Why nobody but the other processes of the chain can reach this one; empty if they can."""
+        ...
+
     def close(self) -> None:
         """Leave the bus; later calls are an error."""
         ...

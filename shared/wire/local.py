@@ -158,6 +158,14 @@ class LocalBus:
         """Always: within a process nothing comes between."""
         return True
 
+    def links(self) -> dict[str, bool]:
+        """None: there is nothing but this bus."""
+        return {}
+
+    def cut_off(self) -> str:
+        """Never."""
+        return ""
+
     def close(self) -> None:
         """Forget everybody."""
         self._subscribers.clear()

@@ -1,97 +1,24 @@
-"""The bus over Zenoh: the only module that knows Zenoh's interface."""
+"""The bus over Zenoh."""
 
 from __future__ import annotations
 
-import json
-import os
 import threading
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import zenoh
 
-from shared.topics import MAP_CAP, TOPICS, topic_by_key
+from shared.topics import MAP_CAP, topic_by_key
 from shared.wire.bus import Leave, NoReply, OnPayload, OnRequest, Work
-from shared.wire.endpoint import DEFAULT_ENDPOINT, BusError, check_endpoint, next_port
+from shared.wire.credentials import Credentials
+from shared.wire.endpoint import DEFAULT_ENDPOINT, check_endpoint
+from shared.wire.links import Links
+from shared.wire.router_watch import RouterWatch
+from shared.wire.zenoh_sessions import Place, linked, open_client, open_peer, prepare
 
-_LEASE_MS = 1000
-"""A peer that says nothing for this long is gone; Zenoh's default of ten seconds hides a hung process."""
-_LARGEST_MESSAGE = 2 * max(topic.cap for topic in TOPICS)
-_RUNTIME = "(app: (worker_threads: 2), net: (handover: app), acc: (handover: app), rx: (handover: app))"
-"""One pool of threads for all that Zenoh does but sending: what one pool hands to another wakes a thread, which costs a
-fifth of a message's latency. Sending keeps its own, without which large payloads are dropped under load."""
 _NEWEST = 16
 """So many of the newest payloads are kept while a thread is busy; what matters is the last, the others are counted."""
-_ALIVE = "alive"
-
-
-def _settings(mode: str) -> dict[str, object]:
-    """Settings of every session of the project: explicit endpoints, no multicast, no shared memory, short lease."""
-    return {
-        "mode": mode,
-        "scouting/multicast/enabled": False,
-        "scouting/gossip/enabled": False,
-        "transport/shared_memory/enabled": False,
-        "transport/link/tx/lease": _LEASE_MS,
-        "transport/link/tx/keep_alive": 4,
-        "transport/link/rx/max_message_size": _LARGEST_MESSAGE,
-    }
-
-
-def _prepare() -> None:
-    """Say how Zenoh runs in this process, unless the user has; it is read when the first session is opened."""
-    os.environ.setdefault("ZENOH_RUNTIME", _RUNTIME)
-    zenoh.init_log_from_env_or("off")
-
-
-def _config(settings: dict[str, object], base: zenoh.Config | None = None) -> zenoh.Config:
-    config = base or zenoh.Config()
-    for key, value in settings.items():
-        config.insert_json5(key, json.dumps(value))
-    return config
-
-
-def open_router(listen: str, config_file: Path | None = None) -> zenoh.Session:
-    """A Zenoh router inside this process; close it with its ``close``.
-
-    Args:
-        listen: endpoint such as ``tcp/127.0.0.1:7447``.
-        config_file: Zenoh's own JSON5 configuration, which then decides everything, the endpoint included.
-
-    Raises:
-        BusError: if the file cannot be read or the endpoint cannot be listened on.
-    """
-    _prepare()
-    if config_file is not None:
-        try:
-            config = zenoh.Config.from_file(str(config_file))
-        except zenoh.ZError as problem:
-            raise BusError(f"--config {config_file}: not a Zenoh configuration ({_first_line(problem)})") from None
-    else:
-        check_endpoint("--listen", listen)
-        config = _config(_settings("router") | {"listen/endpoints": [listen], "listen/exit_on_failure": True})
-    try:
-        return zenoh.open(config)
-    except zenoh.ZError as problem:
-        if config_file is not None:
-            raise BusError(
-                f"--config {config_file}: cannot listen as it says ({_reason(problem)}). Is another router running "
-                "there? Choose another port in its listen/endpoints"
-            ) from None
-        other = next_port(listen)
-        raise BusError(
-            f"cannot listen on {listen} ({_reason(problem)}). Is another router running there? Choose another "
-            f"port with --listen {other} and give every other process --connect {other}"
-        ) from None
-
-
-def _reason(problem: Exception) -> str:
-    return "the port is taken" if "Address already in use" in str(problem) else _first_line(problem)
-
-
-def _first_line(problem: Exception) -> str:
-    return str(problem).splitlines()[0].split(" at /")[0][:200]
+_ALIVE, _BEAT = "alive", "beat"
 
 
 def _follow(subscriber: zenoh.Subscriber, on_payload: OnPayload, work: Work) -> None:
@@ -110,30 +37,44 @@ def _follow(subscriber: zenoh.Subscriber, on_payload: OnPayload, work: Work) -> 
         work(behind)
 
 
+def _bulky(key: str) -> bool:
+    topic = topic_by_key(key)
+    return topic is not None and topic.cap > MAP_CAP
+
+
 class ZenohBus:
-    """A client of one router, which it waits for and comes back to as long as it lives.
+    """A participant at one router, which it waits for and comes back to as long as it lives.
+
+    With direct links what is small is said and heard in a session of its own: over the links, and through the router to
+    and from clients. Images, queries and liveliness tokens go through the router in any case: nothing slow shares a
+    session with control, and two processes of one kind, which have no link, see each other.
 
     Args:
         robot: first chunk of every key.
         connect: endpoint of the router.
         give_up: asked a few times per second while there is no router; true ends the waiting.
+        links: direct links to the other processes of the chain, if it belongs to it.
+        watched: whether ``cut_off`` is to tell of a router that does not hand on anything any more, which direct links
+            outlive.
+        credentials: its certificate on a closed network.
 
     Raises:
         BusError: if the endpoint's form is wrong, or there was no router until ``give_up``.
     """
 
     def __init__(
-        self, robot: str = "tiago", connect: str = DEFAULT_ENDPOINT, give_up: Callable[[], bool] = lambda: False
+        self,
+        robot: str = "tiago",
+        connect: str = DEFAULT_ENDPOINT,
+        give_up: Callable[[], bool] = lambda: False,
+        links: Links | None = None,
+        watched: bool = False,
+        credentials: Credentials | None = None,
     ) -> None:
-        _prepare()
+        prepare()
         check_endpoint("--connect", connect)
-        settings = _settings("client") | {
-            "connect/endpoints": [connect],
-            "connect/timeout_ms": 300,
-            "connect/exit_on_failure": True,
-            "connect/retry": {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5},
-        }
-        self._session = self._open(_config(settings), connect, give_up)
+        self._place, self._links, self._watched = Place(robot, connect, credentials), links, watched
+        self._session = self._control = open_client(self._place, give_up)
         self._robot = robot
         self._lock = threading.Lock()
         self._publishers: dict[str, zenoh.Publisher] = {}
@@ -141,18 +82,30 @@ class ZenohBus:
         self._tokens: dict[str, zenoh.LivelinessToken] = {}
         self._present: dict[int, str] = {}
         self._comings: zenoh.Subscriber | None = None
+        self._watch: RouterWatch | None = None
 
-    @staticmethod
-    def _open(config: zenoh.Config, connect: str, give_up: Callable[[], bool]) -> zenoh.Session:
-        # Zenoh's own endless waiting cannot be interrupted by a signal; short attempts can.
-        while True:
-            try:
-                return zenoh.open(config)
-            except zenoh.ZError as problem:
-                if "Unable to connect" not in str(problem):
-                    raise BusError(f"--connect {connect}: {_first_line(problem)}") from None
-            if give_up():
-                raise BusError(f"no router at {connect}. Start one with `tandem up` or `python -m services.router`")
+    def link(self, give_up: Callable[[], bool] = lambda: False) -> None:
+        """Make the direct links, before anything is said or heard.
+
+        Not sooner than it is known that this is the only process of its kind: two of a kind would both be peers of the
+        router without a link between them, and it hands on nothing reliably then.
+
+        Raises:
+            BusError: as the constructor.
+        """
+        if self._links is None:
+            return
+        self._control = open_peer(self._place, self._links, give_up)
+        if self._watched:
+            # By the way that a stop takes: only the router connects the two sessions.
+            key = self._full(f"{_BEAT}/{self._control.info.zid()}")
+            beat = self._session.declare_publisher(key, congestion_control=zenoh.CongestionControl.DROP, express=True)
+            watch = self._watch = RouterWatch(self.connected, lambda: beat.put(b""))
+            self._declared.append(self._control.declare_subscriber(key, lambda sample: watch.heard()))
+
+    def _of(self, key: str) -> zenoh.Session:
+        """The session for messages of a key."""
+        return self._session if _bulky(key) else self._control
 
     def _full(self, key: str) -> str:
         return f"{self._robot}/{key}"
@@ -176,15 +129,13 @@ class ZenohBus:
         return publisher
 
     def _declare(self, key: str) -> zenoh.Publisher:
-        topic = topic_by_key(key)
-        bulky = topic is not None and topic.cap > MAP_CAP
-        return self._session.declare_publisher(
+        return self._of(key).declare_publisher(
             self._full(key),
             encoding=zenoh.Encoding("application/msgpack"),
             # Blocking, a put stands still for seconds behind a hung router, and with it the loop that controls. What
             # must arrive, such as a stop, is repeated until its effect is seen.
             congestion_control=zenoh.CongestionControl.DROP,
-            priority=zenoh.Priority.DATA_LOW if bulky else zenoh.Priority.REAL_TIME,
+            priority=zenoh.Priority.DATA_LOW if _bulky(key) else zenoh.Priority.REAL_TIME,
             express=True,
         )
 
@@ -197,7 +148,7 @@ class ZenohBus:
         if work is None:
             self.listen(key, on_payload)
             return
-        subscriber = self._session.declare_subscriber(self._full(key), zenoh.handlers.RingChannel(_NEWEST))
+        subscriber = self._of(key).declare_subscriber(self._full(key), zenoh.handlers.RingChannel(_NEWEST))
         self._declared.append(subscriber)
         threading.Thread(target=_follow, args=(subscriber, on_payload, work), name=key, daemon=True).start()
 
@@ -207,7 +158,7 @@ class ZenohBus:
         def on_sample(sample: zenoh.Sample) -> None:
             on_payload(sample.payload.to_bytes())
 
-        subscriber = self._session.declare_subscriber(self._full(key), on_sample)
+        subscriber = self._of(key).declare_subscriber(self._full(key), on_sample)
         self._declared.append(subscriber)
 
         def leave() -> None:
@@ -229,7 +180,7 @@ class ZenohBus:
             request = query.payload.to_bytes() if query.payload is not None else b""
             on_request(request[: MAP_CAP + 1], reply)
 
-        self._declared.append(self._session.declare_queryable(full, on_query))
+        self._declared.append(self._session.declare_queryable(full, on_query, complete=True))
 
     def query(self, key: str, payload: bytes, timeout: float) -> bytes:
         """Ask, and wait for the first answer at most ``timeout`` [s].
@@ -293,8 +244,23 @@ class ZenohBus:
 
     def connected(self) -> bool:
         """Whether a router is there at present."""
-        return bool(self._session.info.routers_zid())
+        return bool(self._control.info.routers_zid())
+
+    def cut_off(self) -> str:
+        """Why nobody but the processes of the chain can reach this one; empty if they can, or if it is not watched."""
+        return self._watch.reason() if self._watch else ""
+
+    def links(self) -> dict[str, bool]:
+        """Whether there is a direct link to each other process of the chain."""
+        if self._links is None:
+            return {}
+        there = linked(self._control, self._links)
+        return {name: name in there for name in self._links.dial}
 
     def close(self) -> None:
         """Leave the bus. Without this a process with subscriptions does not end."""
-        self._session.close()
+        if self._watch:
+            self._watch.close()
+        self._control.close()
+        if self._control is not self._session:
+            self._session.close()

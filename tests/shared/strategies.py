@@ -60,8 +60,7 @@ def value(kind: Kind, length: int = 3) -> st.SearchStrategy[Any]:
         case Nullable():
             return st.none() | value(kind.kind, length)
         case MapOf():
-            assert kind.record is not None
-            return st.dictionaries(_texts, plain(kind.record), max_size=3)
+            return st.dictionaries(_texts, value(kind.kind), max_size=3)
     raise AssertionError(f"no strategy for {type(kind).__name__}")
 
 

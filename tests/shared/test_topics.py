@@ -11,7 +11,7 @@ import itertools
 import pytest
 
 from shared.messages import Header
-from shared.schema.fields import Kind, Vector
+from shared.schema.fields import Anything, Kind, Vector
 from shared.schema.records import MapOf, Nullable, Record, RecordOf
 from shared.topics import QUERIES, TOPICS, WRENCH_EXTERNAL, health_topic, topic_by_key
 
@@ -68,7 +68,7 @@ CONTRACT: dict[str, tuple[str, int | None, str]] = {
         "wrench",
         2,
         "state:starting/ok/degraded/fault detail:text loop_hz loop_p50_us loop_p99_us overruns:int "
-        "inputs:{text: {age hz rejected:int ok:bool}}",
+        "inputs:{text: {age hz rejected:int ok:bool}} ~links:{text: :bool}",
     ),
 }
 """Publisher, rate [Hz] if the contract states one, and fields."""
@@ -115,7 +115,6 @@ SCALARS = {
     "Bytes": ":bytes",
     "TextList": ":texts",
     "Anything": ":any",
-    "AnyMap": ":map",
 }
 
 
@@ -127,7 +126,7 @@ def shape(kind: Kind) -> str:
     if isinstance(kind, RecordOf):
         return f"{{{fields_of(kind.record)}}}"
     if isinstance(kind, MapOf):
-        return f":{{text: {{{fields_of(kind.record)}}}}}"
+        return ":map" if isinstance(kind.kind, Anything) else f":{{text: {shape(kind.kind)}}}"
     if isinstance(kind, Nullable):
         return "?" + shape(kind.kind)
     name = type(kind).__name__

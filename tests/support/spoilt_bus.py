@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable
 from shared.clock import SteadyClock, seconds
 from shared.loop.runner import Runner
 from shared.service import Service
+from shared.wire.links import Links
 from shared.wire.zenoh import ZenohBus
 
 Spoil = Callable[[str, bytes], Iterable[bytes]]
@@ -23,8 +24,9 @@ class SpoiltBus(ZenohBus):
         last_sent_ns: by key, when the last sound payload left.
     """
 
-    def __init__(self, endpoint: str, spoil: Spoil | None = None) -> None:
-        super().__init__(connect=endpoint)
+    def __init__(self, endpoint: str, spoil: Spoil | None = None, links: Links | None = None) -> None:
+        super().__init__(connect=endpoint, links=links, watched=True)
+        self.link()
         self.spoil = spoil
         self.last_sent_ns: defaultdict[str, int] = defaultdict(int)
 

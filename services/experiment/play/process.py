@@ -21,6 +21,7 @@ from shared.loop.runner import Runner
 from shared.parameters import Refused
 from shared.wire.bus import Bus, NoReply
 from shared.wire.client import Client
+from shared.wire.credentials import Credentials
 from shared.wire.endpoint import BusError
 from shared.wire.publisher import Publisher
 from shared.wire.subscription import Subscription
@@ -52,7 +53,9 @@ def play(compose: Compose, robot: str, connect: str, folder: Path, as_json: bool
     stop = StopRequest()
     folder.mkdir(parents=True, exist_ok=True)
     try:
-        bus = ZenohBus(robot, connect, give_up=told_waiting("experiment", connect, stop))
+        bus = ZenohBus(
+            robot, connect, give_up=told_waiting("experiment", connect, stop), credentials=Credentials.given()
+        )
     except BusError:
         if stop.requested:
             return 0

@@ -1,0 +1,183 @@
+"""Sessions of Zenoh: router, client, and peer with direct links."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import zenoh
+
+from shared.topics import TOPICS
+from shared.wire.access import access
+from shared.wire.credentials import Credentials
+from shared.wire.endpoint import BusError, check_endpoint, next_port
+from shared.wire.links import Links
+
+_LEASE_MS = 1000
+"""A peer that says nothing for this long is gone; Zenoh's default of ten seconds hides a hung process."""
+_LARGEST_MESSAGE = 2 * max(topic.cap for topic in TOPICS)
+_RUNTIME = "(app: (worker_threads: 2), net: (handover: app), acc: (handover: app), rx: (handover: app))"
+"""One pool of threads for all that Zenoh does but sending: what one pool hands to another wakes a thread, which costs a
+fifth of a message's latency. Sending keeps its own, without which large payloads are dropped under load."""
+_ROUTER_FIRST = {
+    "connect/timeout_ms": 300,
+    "connect/exit_on_failure": True,
+    "connect/retry": {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5},
+}
+"""Without a router there is an error soon; a connection that is lost is made again for ever."""
+_DIRECT = {
+    "transport/unicast/lowlatency": True,
+    "transport/unicast/qos/enabled": False,
+    "listen/exit_on_failure": False,
+}
+"""Between two peers a message is written by whoever sends it, without waking a thread for it; the router's link stays an
+ordinary one. Nothing large is meant to travel there: it would hold whoever sends it."""
+
+
+def _settings(mode: str, credentials: Credentials | None) -> dict[str, object]:
+    """Settings of every session of the project: explicit endpoints, no multicast, no shared memory, short lease."""
+    return (credentials.settings() if credentials else {}) | {
+        "mode": mode,
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "transport/shared_memory/enabled": False,
+        "transport/link/tx/lease": _LEASE_MS,
+        "transport/link/tx/keep_alive": 4,
+        "transport/link/rx/max_message_size": _LARGEST_MESSAGE,
+    }
+
+
+def prepare() -> None:
+    """Say how Zenoh runs in this process, unless the user has; it is read when the first session is opened."""
+    os.environ.setdefault("ZENOH_RUNTIME", _RUNTIME)
+    zenoh.init_log_from_env_or("off")
+
+
+def _config(settings: dict[str, object], base: zenoh.Config | None = None) -> zenoh.Config:
+    config = base or zenoh.Config()
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
+
+
+def open_router(
+    listen: str,
+    config_file: Path | None = None,
+    credentials: Credentials | None = None,
+    robots: Sequence[str] = (),
+) -> zenoh.Session:
+    """A Zenoh router inside this process; close it with its ``close``.
+
+    Args:
+        listen: endpoint such as ``tcp/127.0.0.1:7447``.
+        config_file: Zenoh's own JSON5 configuration, which then decides everything, the endpoint included.
+        credentials: its certificate; with one nobody can do anything but what the certificates of these robots allow.
+        robots: first chunks of the keys of the robots that it serves.
+
+    Raises:
+        BusError: if the file cannot be read or the endpoint cannot be listened on.
+    """
+    prepare()
+    if config_file is not None:
+        try:
+            config = zenoh.Config.from_file(str(config_file))
+        except zenoh.ZError as problem:
+            raise BusError(f"--config {config_file}: not a Zenoh configuration ({_first_line(problem)})") from None
+    else:
+        check_endpoint("--listen", listen)
+        settings = _settings("router", credentials) | {"listen/endpoints": [listen], "listen/exit_on_failure": True}
+        config = _config(settings | ({"access_control": access(robots)} if credentials else {}))
+    try:
+        return zenoh.open(config)
+    except zenoh.ZError as problem:
+        if config_file is not None:
+            raise BusError(
+                f"--config {config_file}: cannot listen as it says ({_reason(problem)}). Is another router running "
+                "there? Choose another port in its listen/endpoints"
+            ) from None
+        other = next_port(listen)
+        raise BusError(
+            f"cannot listen on {listen} ({_reason(problem)}). Is another router running there? Choose another "
+            f"port with --listen {other} and give every other process --connect {other}"
+        ) from None
+
+
+def _reason(problem: Exception) -> str:
+    return "the port is taken" if "Address already in use" in str(problem) else _first_line(problem)
+
+
+def _first_line(problem: Exception) -> str:
+    return str(problem).splitlines()[0].split(" at /")[0][:200]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a participant is connected.
+
+    Attributes:
+        robot: first chunk of every key.
+        connect: endpoint of the router.
+        credentials: its certificate on a closed network.
+    """
+
+    robot: str
+    connect: str
+    credentials: Credentials | None = None
+
+
+def open_client(place: Place, give_up: Callable[[], bool]) -> zenoh.Session:
+    """A client of one router, which it waits for.
+
+    Args:
+        place: where to connect.
+        give_up: asked a few times per second while there is no router; true ends the waiting.
+
+    Raises:
+        BusError: if the endpoint cannot be used, the certificate is refused, or there was no router until ``give_up``.
+    """
+    settings = _settings("client", place.credentials) | _ROUTER_FIRST | {"connect/endpoints": [place.connect]}
+    return _opened(settings, place, give_up)
+
+
+def open_peer(place: Place, links: Links, give_up: Callable[[], bool]) -> zenoh.Session:
+    """A peer with direct links, and one to the router for whoever is a client; arguments and errors as above.
+
+    Its identity begins with its place in the chain, so that the others know by name who is linked (``linked``).
+    """
+    dial = [f"{endpoint}#exit_on_failure=false" for endpoint in links.dial.values()]
+    settings = _settings("peer", place.credentials) | _ROUTER_FIRST | _DIRECT
+    settings |= {
+        "listen/endpoints": [links.listen],
+        "connect/endpoints": [f"{place.connect}#exit_on_failure=true", *dial],
+    }
+    if place.credentials:
+        settings["access_control"] = access((place.robot,))
+    return _opened(settings, place, give_up, f"{links.names.index(links.own) + 1:x}")
+
+
+def linked(session: zenoh.Session, links: Links) -> set[str]:
+    """Names of the processes of the chain to which there is a direct link."""
+    places = {str(peer)[:-16] for peer in session.info.peers_zid()}
+    return {name for place, name in enumerate(links.names, 1) if f"{place:x}" in places}
+
+
+def _opened(settings: dict[str, object], place: Place, give_up: Callable[[], bool], prefix: str = "") -> zenoh.Session:
+    if place.connect.startswith("tls/") and place.credentials is None:
+        raise BusError(f"{place.connect} is a closed network: name your certificates with --secure or TANDEM_SECURE")
+    # Zenoh's own endless waiting cannot be interrupted by a signal; short attempts can.
+    while True:
+        # Another identity for each attempt: the router may still believe in the link of the one before.
+        identity = {"id": f"{prefix}{secrets.randbits(63) | 1 << 63:016x}"}
+        try:
+            return zenoh.open(_config(settings | identity))
+        except zenoh.ZError as problem:
+            if "Unable to connect" not in str(problem):
+                raise BusError(f"--connect {place.connect}: {_first_line(problem)}") from None
+        if place.credentials and (why := place.credentials.why_refused(place.connect)):
+            raise BusError(why)
+        if give_up():
+            raise BusError(f"no router at {place.connect}. Start one with `tandem up` or `python -m services.router`")

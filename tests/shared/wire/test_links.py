@@ -1,0 +1,62 @@
+"""Where the processes of the chain listen, and whom they dial."""
+
+from __future__ import annotations
+
+import pytest
+
+from shared.processes import LINKED, PROCESSES
+from shared.wire.links import NoLinks, links_of
+
+ROUTER = "tcp/127.0.0.1:7447"
+
+
+def listens(robot: str = "tiago", router: str = ROUTER) -> str:
+    links = links_of("wrench", LINKED, "", robot, router)
+    assert links is not None
+    return links.listen
+
+
+def test_everybody_dials_everybody_else_where_they_listen() -> None:
+    links = {name: links_of(name, LINKED, "", "tiago", ROUTER) for name in LINKED}
+    for name, own in links.items():
+        assert own is not None
+        assert own.dial == {other: links[other].listen for other in LINKED if other != name}  # type: ignore[union-attr]
+
+
+def test_robots_and_routers_are_kept_apart_and_spellings_are_not() -> None:
+    assert (
+        len({listens(), listens("reem"), listens(router="tcp/127.0.0.1:7448"), listens(router="tcp/127.0.0.2:7447")})
+        == 4
+    )
+    assert listens() == listens(router="tcp/localhost:7447") == listens(router="tcp/127.0.0.1:7447#iface=lo")
+
+
+def test_a_socket_has_a_path_that_the_system_takes() -> None:
+    assert len(listens("r" * 500).removeprefix("unixsock-stream/")) < 100
+
+
+def test_a_pattern_names_each_process() -> None:
+    links = links_of("robot", LINKED, "tls/{name}:7448", "tiago", "tls/router:7447")
+    assert links is not None
+    assert links.listen == "tls/robot:7448"
+    assert links.dial["wrench"] == "tls/wrench:7448"
+
+
+@pytest.mark.parametrize(
+    ("own", "pattern", "router"),
+    [("experiment", "", ROUTER), ("wrench", "off", ROUTER), ("wrench", "", "tcp/192.168.0.2:7447")],
+)
+def test_the_router_alone_serves_whoever_is_no_part_of_the_chain_or_elsewhere(
+    own: str, pattern: str, router: str
+) -> None:
+    assert links_of(own, LINKED, pattern, "tiago", router) is None
+
+
+def test_a_pattern_without_a_name_is_refused() -> None:
+    with pytest.raises(NoLinks, match=r"--links tcp/1.2.3.4:1: wanted an endpoint with \{name\}"):
+        links_of("wrench", LINKED, "tcp/1.2.3.4:1", "tiago", ROUTER)
+
+
+def test_no_more_processes_than_an_identity_has_places_for() -> None:
+    assert len(LINKED) < 16
+    assert {process.name for process in PROCESSES if process.linked} >= {"wrench", "controller", "base", "task", "sim"}
