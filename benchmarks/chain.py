@@ -20,6 +20,8 @@ COMMAND = "python -m benchmarks.chain"
 RATES = (100.0, 500.0)
 LIMIT = 1.3
 """Largest ratio to the bare relay that the chain aims at."""
+LINKED = {100.0: 0.92, 500.0: 0.85}
+"""Largest ratio of the medians, over direct links to through the router, by rate."""
 OVERRUN_SHARE = 1e-3
 """Largest share of late steps of wrench and controller at 500 Hz."""
 
@@ -47,14 +49,28 @@ def rows(quick: bool) -> list[Row]:
 
 def _compared(rate: float, rounds: int, seconds: float) -> list[Row]:
     missing = segments.ros_missing()
-    transports: dict[str, Measure] = {"chain": segments.chain, "relay": segments.relay}
+    transports: dict[str, Measure] = {
+        "chain": segments.chain,
+        "linked": segments.linked,
+        "relay": segments.relay,
+    }
     if not missing:
         transports["ros"] = segments.ros
     turns = [{name: measure(rate, seconds) for name, measure in transports.items()} for _ in range(rounds)]
     total = {name: reduce(Segment.add, (turn[name] for turn in turns), Segment()) for name in transports}
     title = f"chain at {rate:.0f} Hz"
-    chain, relay = total["chain"], total["relay"]
+    chain, relay, linked = total["chain"], total["relay"], total["linked"]
     table = [
+        *(
+            _ratio(
+                f"{title}, {name} over direct links to that through the router",
+                linked.quantile(share),
+                chain.quantile(share),
+                limit,
+                f"{linked.quantile(share):.0f} us",
+            )
+            for name, share, limit in (("p50", 0.5, LINKED[rate]), ("p99", 0.99, 0.8))
+        ),
         _against(title, "p50", 0.5, chain, relay),
         _against(title, "p99", 0.99, chain, relay),
         shown(f"{title}, samples without a command", 100 * chain.lost, "%", COMMAND, f"relay {relay.lost:.2%}"),

@@ -13,6 +13,7 @@ from tempfile import TemporaryDirectory
 from typing import Self
 
 from benchmarks.latency.relay import ROBOT, TWIST_BYTES, WRENCH_BYTES
+from shared.wire.links import SOCKETS
 from tests.support.ports import free_endpoint, free_port
 from tests.support.processes import Process, Processes
 
@@ -69,12 +70,18 @@ def _started() -> Iterator[tuple[Processes, str]]:
         yield processes, endpoint
 
 
-def chain(rate: float, seconds: float) -> Segment:
-    """The real services through a real router."""
+def chain(rate: float, seconds: float, links: str = "") -> Segment:
+    """The real services through a real router, or over direct links beside it."""
     with _started() as (processes, endpoint):
         for service in ("wrench", "controller"):
-            processes.start(f"services.{service}", "--connect", endpoint)
-        return _measured(processes.start("benchmarks.latency.chain_probe", endpoint, str(rate), str(seconds)))
+            processes.start(f"services.{service}", "--connect", endpoint, "--links", links)
+        probe = ("benchmarks.latency.chain_probe", endpoint, str(rate), str(seconds), links)
+        return _measured(processes.start(*probe))
+
+
+def linked(rate: float, seconds: float) -> Segment:
+    """The real services over direct links."""
+    return chain(rate, seconds, SOCKETS)
 
 
 def started() -> float:

@@ -56,8 +56,8 @@ def service_parser(service: str) -> OneLineParser:
         "--links",
         default=os.environ.get("TANDEM_LINKS", ""),
         metavar="ENDPOINT",
-        help="direct links to the other processes of the chain: an endpoint with {name}, such as tcp/{name}:7448, or "
-        "off (default: sockets if the router is on this machine, else off)",
+        help="direct links to the other processes of the chain, which need them too: sockets, on one machine, or an "
+        "endpoint with {name}, such as tcp/{name}:7448 (default: all goes through the router)",
     )
     parser.add_argument(
         "--secure",

@@ -16,6 +16,7 @@ from shared.clock import SteadyClock
 from shared.loop.entry import end
 from shared.processes import ROUTER
 from shared.topics import HEALTH_RATE, health_topic
+from shared.wire.credentials import Credentials
 from shared.wire.endpoint import DEFAULT_ENDPOINT, BusError
 from shared.wire.subscription import Subscription
 from shared.wire.zenoh import ZenohBus
@@ -30,9 +31,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     robot = os.environ.get("TANDEM_ROBOT", "tiago")
     deadline = time.monotonic() + CONNECT_WITHIN
     try:
-        bus = ZenohBus(
-            robot, os.environ.get("TANDEM_CONNECT", DEFAULT_ENDPOINT), give_up=lambda: time.monotonic() > deadline
-        )
+        connect, credentials = os.environ.get("TANDEM_CONNECT", DEFAULT_ENDPOINT), Credentials.given()
+        bus = ZenohBus(robot, connect, lambda: time.monotonic() > deadline, credentials=credentials)
     except BusError as problem:
         print(problem)
         return 1

@@ -20,7 +20,7 @@ from shared.service import Service
 from shared.topics import ROBOT
 from shared.wire.credentials import Credentials
 from shared.wire.endpoint import BusError, check_endpoint
-from shared.wire.links import OFF, NoLinks, links_of
+from shared.wire.links import NoLinks, links_of
 from shared.wire.publisher import Publisher
 from shared.wire.zenoh import ZenohBus
 
@@ -59,8 +59,7 @@ def run(make: Callable[[P], Service], parameters: type[P], name: str, arguments:
         check_endpoint("--connect", chosen.connect)
         service = make(chosen.parameters)
         own, credentials = process_named(name).publisher, Credentials.of(chosen.secure)
-        # On a closed network sockets would do without certificates.
-        links = links_of(own, LINKED, chosen.links or (OFF if credentials else ""), chosen.robot, chosen.connect)
+        links = links_of(own, LINKED, chosen.links, chosen.robot, chosen.connect)
         told = told_waiting(name, chosen.connect, stop)
         bus = ZenohBus(chosen.robot, chosen.connect, told, links, own == ROBOT, credentials)
     except (Misconfigured, NoLinks, Refused) as problem:

@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-OFF = "off"
-"""In place of a pattern: no direct links."""
+SOCKETS = "sockets"
+"""In place of a pattern: sockets in a folder of the user's, for processes on one machine."""
 _NAME = "{name}"
 _FOLDER = Path("/tmp")  # whatever TMPDIR says: processes that differ in it would not find each other
 _LOOPBACK = ("127.", "localhost:", "[::1]:")
@@ -53,27 +53,25 @@ class Links:
 def links_of(own: str, names: Sequence[str], pattern: str, robot: str, router: str) -> Links | None:
     """Direct links of a process; None if all that it says goes through the router.
 
-    Without a pattern processes meet at sockets in a folder of the user's, if their router is on this machine.
-
     Args:
         own: name of the process in the chain.
         names: of all processes of the chain.
-        pattern: endpoint with ``{name}``, ``off``, or empty for sockets.
+        pattern: endpoint with ``{name}``, or ``sockets``; empty for none.
         robot: first chunk of every key.
         router: endpoint of the router.
 
     Raises:
-        NoLinks: the pattern names no process, or the folder belongs to somebody else.
+        NoLinks: the pattern names no process, the router is elsewhere, or the folder belongs to somebody else.
     """
-    if own not in names or pattern == OFF:
+    if own not in names or not pattern:
         return None
-    if pattern:
+    if pattern != SOCKETS:
         if _NAME not in pattern:
-            raise NoLinks(f"--links {pattern}: wanted an endpoint with {_NAME}, such as tcp/{_NAME}:7448, or {OFF}")
+            raise NoLinks(f"--links {pattern}: wanted an endpoint with {_NAME}, such as tcp/{_NAME}:7448, or {SOCKETS}")
         return Links(own, tuple(names), pattern)
     address = router.split("/", 1)[1]
     if not address.startswith(_LOOPBACK):
-        return None
+        raise NoLinks(f"--links {SOCKETS}: they are for one machine, and the router is elsewhere ({router})")
     # A socket's path has to be short, and its folder the same however the router's address was written.
     port = address.partition("?")[0].partition("#")[0].rpartition(":")[2]
     host = "" if address.startswith(_LOOPBACK[1:]) else address.partition(":")[0].removeprefix("127.0.0.1")
@@ -87,8 +85,6 @@ def _own_folder(place: str) -> Path:
     folder.mkdir(mode=0o700, exist_ok=True)
     found = folder.lstat()
     if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid() or found.st_mode & 0o077:
-        raise NoLinks(
-            f"{folder}: wanted a folder of this user's that nobody else can enter; move it away, or --links {OFF}"
-        )
+        raise NoLinks(f"{folder}: wanted a folder of this user's that nobody else can enter; move it away")
     (folder / place).mkdir(exist_ok=True)
     return folder / place

@@ -34,7 +34,7 @@ _DIRECT = {
     "transport/unicast/qos/enabled": False,
     "listen/exit_on_failure": False,
 }
-"""Between two peers a message is written by whoever sends it, without waking a thread for it; the router's link stays an
+"""Between two peers a message is written by whoever sends it, without waking a thread; the router's link stays an
 ordinary one. Nothing large is meant to travel there: it would hold whoever sends it."""
 
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 import pytest
 
 from shared.processes import LINKED, PROCESSES
-from shared.wire.links import NoLinks, links_of
+from shared.wire.links import SOCKETS, NoLinks, links_of
 
 ROUTER = "tcp/127.0.0.1:7447"
 
 
 def listens(robot: str = "tiago", router: str = ROUTER) -> str:
-    links = links_of("wrench", LINKED, "", robot, router)
+    links = links_of("wrench", LINKED, SOCKETS, robot, router)
     assert links is not None
     return links.listen
 
 
 def test_everybody_dials_everybody_else_where_they_listen() -> None:
-    links = {name: links_of(name, LINKED, "", "tiago", ROUTER) for name in LINKED}
+    links = {name: links_of(name, LINKED, SOCKETS, "tiago", ROUTER) for name in LINKED}
     for name, own in links.items():
         assert own is not None
         assert own.dial == {other: links[other].listen for other in LINKED if other != name}  # type: ignore[union-attr]
@@ -42,14 +42,14 @@ def test_a_pattern_names_each_process() -> None:
     assert links.dial["wrench"] == "tls/wrench:7448"
 
 
-@pytest.mark.parametrize(
-    ("own", "pattern", "router"),
-    [("experiment", "", ROUTER), ("wrench", "off", ROUTER), ("wrench", "", "tcp/192.168.0.2:7447")],
-)
-def test_the_router_alone_serves_whoever_is_no_part_of_the_chain_or_elsewhere(
-    own: str, pattern: str, router: str
-) -> None:
-    assert links_of(own, LINKED, pattern, "tiago", router) is None
+def test_nobody_else_is_linked_nor_anybody_unasked() -> None:
+    assert links_of("experiment", LINKED, SOCKETS, "tiago", ROUTER) is None
+    assert links_of("wrench", LINKED, "", "tiago", ROUTER) is None
+
+
+def test_sockets_are_for_one_machine() -> None:
+    with pytest.raises(NoLinks, match="the router is elsewhere"):
+        links_of("wrench", LINKED, SOCKETS, "tiago", "tcp/192.168.0.2:7447")
 
 
 def test_a_pattern_without_a_name_is_refused() -> None:
