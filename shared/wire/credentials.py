@@ -100,7 +100,8 @@ class Credentials:
             with plain, context.wrap_socket(plain, server_hostname=host) as secured:
                 # What the other side thinks of this certificate it says after the handshake only.
                 secured.settimeout(_PROBE)
-                secured.recv(1)
+                if secured.recv(1):
+                    return ""
         except TimeoutError:
             return ""
         except ssl.SSLCertVerificationError as problem:
@@ -108,8 +109,11 @@ class Credentials:
         except ssl.SSLError as problem:
             return f"{endpoint} refused the certificate in {self.folder}: {_words(problem)}"
         except ConnectionError:
-            return f"{endpoint} ended the connection after the handshake: is it a listener of this network?"
-        return ""
+            pass
+        return (
+            f"{endpoint} ended the connection without a word: has the certificate in {self.folder} expired, or is it "
+            "of another network?"
+        )
 
 
 def _words(problem: Exception) -> str:
