@@ -11,8 +11,8 @@ direction of gravity in the sensor's axes matters; it has to leave a straight li
 cannot be told from the bias. Standard deviations follow from the residuals, or from the noise of the averages where
 that is larger: with few poses a small residual is luck.
 
-A fit has to explain its data: the sum of squared residuals over their variance, that of the averages plus what a wrong
-attitude makes of the weight, is held against the chi-square quantile that white noise exceeds once in 30,000 fits.
+A fit has to explain its data: its residuals are held against what white noise exceeds once in 30,000 fits (chi-square)
+plus what attitudes that are wrong by their largest error make of the weight.
 
 What the fit leaves of any effect that is linear in gravity's direction (gains, crosstalk, a soft cable) is E a, with a
 that direction less its mean over the poses, since each axis has its own bias. Of that the poses have seen E S E^T,
@@ -145,7 +145,7 @@ def identify(poses: list[Average]) -> IdentifiedPayload:
 
 
 def misfit(result: IdentifiedPayload, poses: list[Average], tilt: float) -> Array:
-    """Sums of squared residuals (2,) of forces and torques, as shares of what noise and attitude explain at most.
+    """Mean squares of the residuals (2,) of forces and torques, as shares of what noise and attitude explain at most.
 
     Args:
         result: of these poses.
@@ -155,9 +155,11 @@ def misfit(result: IdentifiedPayload, poses: list[Average], tilt: float) -> Arra
     weight = result.mass * GRAVITY * tilt
     arm = float(np.linalg.norm(result.com))
     variance = np.mean([pose.variance + pose.rounding**2 / 3.0 for pose in poses], axis=0)
-    variance = variance + np.array((*[weight**2] * 3, *[(weight * arm) ** 2] * 3))
-    sums = (len(poses) * result.residual_rms**2 / np.maximum(variance, 1e-18)).reshape(2, 3).sum(axis=1)
-    return np.array([found / _chi_square(3 * len(poses) - k) for found, k in zip(sums, (4, 6), strict=True)])
+    count = 3 * len(poses)
+    noise = np.sqrt(variance * np.repeat([_chi_square(count - k) / count for k in (4, 6)], 3))
+    # No attitude is wrong by more than the tilt: as a bound it adds to the noise, and is no standard deviation itself.
+    wrong = weight / math.sqrt(3.0) * np.repeat((1.0, arm), 3)
+    return np.asarray((result.residual_rms / np.maximum(noise + wrong, 1e-9)) ** 2).reshape(2, 3).mean(axis=1)
 
 
 def _chi_square(freedom: int) -> float:
