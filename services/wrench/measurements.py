@@ -9,7 +9,7 @@ import numpy as np
 from services.wrench.averaging import Average, AveragingWindow, NotStill
 from services.wrench.identification import IdentifiedPayload, NotExciting, NoWeight, identify
 from services.wrench.plausibility import refusal
-from services.wrench.suspects import suspects, unexplained
+from services.wrench.suspects import suspects, unexplained, unmoved
 from shared.parameters import Refused
 from shared.requests import AddPose, PoseAdded, Solved, Tare, Tared
 from shared.schema.records import Record
@@ -108,7 +108,7 @@ class Measurements:
             raise Refused(f"{problem}: {suspects(self._poses, tilt)}") from None
         except NotExciting as problem:
             raise Refused(str(problem)) from None
-        doubt = unexplained(result, self._poses, tilt) or judge(result)
+        doubt = unmoved(self._poses) or unexplained(result, self._poses, tilt) or judge(result)
         if doubt and not force:
             raise refusal(doubt)
         self._poses = None

@@ -14,10 +14,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from services.wrench.averaging import Average
+from services.wrench.averaging import AXES, UNITS, Average
 from services.wrench.identification import IdentifiedPayload, NotExciting, identify, misfit
 from shared.spatial import Array, rotation_from_vector, rotation_vector
 
+_EQUAL = 1e-9  # [N, Nm] up to which means of one value differ by rounding
 _FEWEST = 5  # poses: with fewer, one less explains whatever is left
 
 
@@ -38,6 +39,16 @@ def unexplained(result: IdentifiedPayload, poses: list[Average], tilt: float) ->
         f"the {what} of the {len(poses)} poses fit no payload: {left:.2g} {unit} are left (rms), noise and attitude "
         f"explain {left / math.sqrt(shares.max()):.2g} at most: {suspects(poses, tilt)}"
     )
+
+
+def unmoved(poses: list[Average]) -> str:
+    """Which axis read the same in every pose although others have noise, in words; empty if none did."""
+    noisy = np.any([pose.std > _EQUAL for pose in poses], axis=0)
+    same = np.ptp([pose.mean for pose in poses], axis=0) <= _EQUAL
+    for axis in np.flatnonzero(same & ~noisy if noisy.any() else same & False):
+        value = poses[0].mean[axis]
+        return f"{AXES[axis]} was {value:g} {UNITS[axis]} in every pose, while other axes move: it feels nothing."
+    return ""
 
 
 def suspects(poses: list[Average], tilt: float) -> str:

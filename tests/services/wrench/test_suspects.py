@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,12 +13,14 @@ from hypothesis import strategies as st
 
 from services.wrench.averaging import Average
 from services.wrench.identification import NoWeight, identify, misfit
-from services.wrench.suspects import suspects, unexplained
+from services.wrench.suspects import suspects, unexplained, unmoved
 from shared.spatial import Array, rotation_from_vector
 from tests.services.wrench.sensor import NOISE, TILTED, Sensor
 
 TILT = 0.01
 NOISY = NOISE / 50
+
+AXIS = np.arange(6)
 
 
 def poses(change: Callable[[Array, Array], Array] = lambda reading, rotation: reading, seed: int = 0) -> list[Average]:
@@ -99,3 +102,15 @@ def test_far_from_the_poses_less_is_stated() -> None:
     known = identify(poses()).compensation()
     near, far = known.misfit(np.array((0.0, 0.0, 1.0))), known.misfit(np.array((0.0, 0.0, -1.0)))
     assert np.all(far > 3 * near)
+
+
+def test_an_axis_that_feels_nothing_is_named() -> None:
+    """It would be identified as one without any weight on it; where no axis has noise, it may be a simulator's."""
+    taken = poses()
+    dead = [
+        replace(pose, mean=pose.mean * (AXIS != 4) + 1e-16 * k, std=pose.std * (AXIS != 4))
+        for k, pose in enumerate(taken)
+    ]
+    assert unmoved(dead) == "torque y was 0 Nm in every pose, while other axes move: it feels nothing."
+    assert not unmoved(taken)
+    assert not unmoved([replace(pose, std=np.zeros(6)) for pose in dead])
