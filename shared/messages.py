@@ -53,6 +53,12 @@ class FtSample(Record):
         default=(0.0, 0.0, -1.0),
     )
 
+    def check(self) -> None:
+        if (z := float(self.gravity[2])) > -0.5:
+            raise InvalidField(
+                f"gravity has z {z:.2f}, wanted at most -0.5: where things fall, in base axes, within 60 degrees of -z"
+            )
+
 
 class CameraImage(Record):
     """One image of the head camera with its calibration and pose."""

@@ -104,7 +104,7 @@ def _rates(watch: Watch, only: str) -> Group | None:
             key,
             f"{subscription.rate(now):.1f}",
             nominal,
-            f"{1e3 * subscription.age(now):.0f}",
+            f"{1e3 * subscription.age(now):.0f}" if subscription.latest else "never",
             str(rejected),
             subscription.topic.publisher,
         )

@@ -109,7 +109,8 @@ class AveragingWindow:
                     "the tool moves or something touches it. Let it stand still and free, or raise noise_bound"
                 )
         rounding = np.array([_rounding(readings[:, axis]) for axis in range(6)])
-        if std.any():
+        # Not the standard deviation: that of many equal readings is a rounding error, and not zero.
+        if np.ptp(readings, axis=0).any():
             rounding = np.where(np.isinf(rounding), self._bias_bound, rounding)
         rounding = np.where(self._resolution > 0.0, self._resolution, np.where(np.isinf(rounding), 0.0, rounding))
         return Average(

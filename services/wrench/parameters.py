@@ -94,13 +94,13 @@ class WrenchParameters(Parameters):
                 f"lowpass_hz is {self.lowpass_hz:g}, which is {lag:.2g} s late: the controller's delay can count "
                 f"{LONGEST_LAG:g} s at most; allowed is 0, or {1.0 / (2.0 * math.pi * LONGEST_LAG):.1f} Hz or more"
             )
-        for axis, unit, noise, bias, end in zip(
-            AXES, UNITS, self.noise_bound, self.bias_bound, self.sensor_range, strict=True
+        for axis, unit, noise, bias, step, end in zip(
+            AXES, UNITS, self.noise_bound, self.bias_bound, self.resolution, self.sensor_range, strict=True
         ):
-            if noise + bias >= end:
+            if noise + bias + step >= end:
                 raise Refused(
-                    f"noise_bound and bias_bound are {noise + bias:g} {unit} together in {axis}, sensor_range is "
-                    f"{end:g}: nothing could be told from the bias"
+                    f"noise_bound, bias_bound and resolution are {noise + bias + step:g} {unit} together in {axis}, "
+                    f"sensor_range is {end:g}: nothing could be told from them"
                 )
         if self.tool_mass * GRAVITY >= max(self.sensor_range[:3]):
             raise Refused(

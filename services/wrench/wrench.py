@@ -174,7 +174,8 @@ class Wrench(Service[WrenchParameters]):
         """Which declared bounds the sensor itself has refuted."""
         known = self.compensation
         found = (
-            ("noise_bound", self._noise_bound, known.noise),
+            # What a coarse sensor's steps hide counts as noise, and is declared by its resolution.
+            ("noise_bound", self._noise_bound + np.array(self.parameters.resolution), known.noise),
             ("bias_bound", self._bias_bound, known.bias_bound),
             ("zero_drift", self._zero_drift, known.drift),
             ("tool_mass", np.array([self.parameters.tool_mass]), np.array([known.tool_mass])),

@@ -7,7 +7,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from shared.messages import DISTORTION_SIZES, CameraImage, Header, Health
+from shared.messages import DISTORTION_SIZES, CameraImage, FtSample, Header, Health
 from shared.schema.fields import Boolean, Bytes, Direction, Integer, Kind, Number, Text, TextList, Vector
 from shared.schema.records import MapOf, Nullable, Record, RecordOf
 from shared.topics import TOPICS
@@ -64,8 +64,14 @@ def value(kind: Kind, length: int = 3) -> st.SearchStrategy[Any]:
     raise AssertionError(f"no strategy for {type(kind).__name__}")
 
 
+def _downwards(direction: list[float]) -> list[float]:
+    return direction if direction[2] <= -0.5 else [0.0, 0.0, -1.0]
+
+
 def plain(message: type[Record]) -> st.SearchStrategy[dict[str, Any]]:
     """Every field of a message, as plain values."""
+    if message is FtSample:
+        return _fields(message, 3).map(lambda fields: fields | {"gravity": _downwards(fields["gravity"])})
     lengths = st.sampled_from(DISTORTION_SIZES) if message is CameraImage else st.integers(0, 5)
     return lengths.flatmap(lambda length: _fields(message, length))
 

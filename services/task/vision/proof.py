@@ -101,7 +101,12 @@ class Proof:
             self.reset()
         if self.verdict is not None:
             settings = self._settings
-            if trusted and not trusted.near(self.verdict.marker, settings.marker_jump, settings.marker_jump_angle):
+            # By a camera that is wrong a panel at rest is elsewhere in each view.
+            if (
+                self.proven
+                and trusted
+                and not trusted.near(self.verdict.marker, settings.marker_jump, settings.marker_jump_angle)
+            ):
                 self.reset(TaskFault("marker_moved", "since the camera was proven"))
             return
         self._seen = camera

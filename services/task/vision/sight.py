@@ -62,16 +62,19 @@ class Sight:
         camera = Pose.of(image.position, image.orientation)
         if not reading.header.valid:
             return self.tracker.useless(TaskFault("camera_invalid"))
-        stale = self.liveness.look(image.data, camera)
-        # During the proof the head turns, which no frozen camera follows; later nothing else would tell.
-        if stale is not None and (stale.name != "camera_repeats" or self.proof.proven):
-            return self.tracker.useless(stale)
         try:
             found = self._detector.find(image, self.tracker.known(camera))
         except BadImage as problem:
             return self.tracker.useless(problem.fault)
         seen = any(candidate.number == self._number for candidate in found)
         hindrance = None if seen else self._detector.hindrance(self._number)
+        # A picture that shows nothing stays the same whether its camera lives or not.
+        stale = (
+            self.liveness.look(image.data, camera) if hindrance is None or hindrance.name != "camera_blank" else None
+        )
+        # During the proof the head turns, which no frozen camera follows; later nothing else would tell.
+        if stale is not None and (stale.name != "camera_repeats" or self.proof.proven):
+            return self.tracker.useless(stale)
         self.tracker.look(found, camera, _age(reading, tool), hindrance)
         self.proof.look(image, reading.header.session, camera, self.tracker.seen, self.tracker.pose)
 

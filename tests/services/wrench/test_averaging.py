@@ -110,3 +110,9 @@ def test_readings_behind_a_low_pass_are_worth_fewer(share: float) -> None:
     assert len(errors) > 100
     ratio = np.array(errors) / np.array(bounds)
     assert np.sqrt((ratio**2).mean()) < 1.6 / 5.0  # one standard deviation of five, known by 100 readings
+
+
+def test_many_equal_readings_have_no_noise_whatever_rounding_makes_of_their_mean() -> None:
+    """A simulator without noise; taken for a noisy sensor, its repeating axes would be known to `bias_bound`."""
+    reading = np.array((0.3, -0.7, -8.07, 0.05, 0.1, 0.02))
+    assert averaged([reading] * 51).mean_error.max() < 1e-9

@@ -131,7 +131,7 @@ def test_a_reading_beyond_the_range_is_invalid_and_at_it_saturated() -> None:
 
 CONTRADICTIONS: dict[str, dict[str, object]] = {
     "lowpass_hz is 1": {"lowpass_hz": 1.0},
-    "noise_bound and bias_bound are 5.5 N together": {"sensor_range": (5.0,) * 6},
+    "noise_bound, bias_bound and resolution are 5.5 N together": {"sensor_range": (5.0,) * 6},
     "is beyond sensor_range": {"tool_mass": 40.0, "sensor_range": (100.0,) * 6},
 }
 

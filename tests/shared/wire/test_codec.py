@@ -256,3 +256,14 @@ def test_a_payload_that_carries_another_message_or_is_too_long_is_refused_as_eve
         decode(GripperState, payload)
     with pytest.raises(Rejected, match="at most 10"):
         decode(BagState, payload, cap=10)
+
+
+@pytest.mark.parametrize("gravity", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 0.8, -0.6)])
+def test_gravity_points_where_things_fall(gravity: tuple[float, float, float]) -> None:
+    """An accelerometer at rest tells the opposite, and a sensor its own axes."""
+    level = (0.0, 0.0, 0.0, 1.0)
+    if gravity[2] < -0.5:
+        assert FtSample((0.0,) * 3, (0.0,) * 3, level, (0.0,) * 3, False, gravity).gravity[2] == -0.6
+    else:
+        with pytest.raises(InvalidField, match="where things fall, in base axes"):
+            FtSample((0.0,) * 3, (0.0,) * 3, level, (0.0,) * 3, False, gravity)
