@@ -36,7 +36,7 @@ Router = Annotated[
 ]
 DEFAULT_ROBOT = "tiago"
 CONNECT_WITHIN = 2.0  # [s]
-TAKE_OVER = {"task": "To take over: tandem task abort; tandem task reset"}
+TAKE_OVER = {"task": "To take over: tandem task abort, release if it holds something, then reset"}
 """How to end what publishes a target, where Ctrl-C in its own terminal does not."""
 USAGE = 2
 """Exit status of a command that was given something it cannot take."""
@@ -93,7 +93,7 @@ def go_first(turn: Turn) -> None:
 def unheard(subscription: Subscription) -> str:
     """Why there is no message of a topic: nothing came, or nothing that came could be used."""
     fault = subscription.fault(subscription.now_ns(), math.inf)
-    return f"{fault}. See: tandem status" if fault else ""
+    return f"{str(fault).rstrip(chr(46))} See: tandem status" if fault else ""
 
 
 def table(*columns: str, vertical: Literal["top", "bottom"] = "top", **options: Any) -> Table:

@@ -48,7 +48,7 @@ class SimParameters(Parameters):
         "N, Nm per minute",
         -100.0,
         100.0,
-        "how that error drifts: half of what wrench.zero_drift allows by default",
+        "how that error drifts: within what wrench.zero_drift allows by default",
     )
     floor_slope: tuple[float, float] = parameter(
         (0.0, 0.0),

@@ -223,7 +223,7 @@ class MapOf(Kind):
 
     def check(self, value: Any, name: str) -> dict[str, Any]:
         if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
-            raise InvalidField(f"{name} is {shown(value)}, wanted a map with text keys")
+            raise InvalidField(f"{name} is {shown(value)}, wanted a map of names and values")
         return {key: self.kind.check(item, f"{name}[{shown(key)}]") for key, item in value.items()}
 
 

@@ -167,7 +167,7 @@ def linked(session: zenoh.Session, links: Links) -> set[str]:
 
 def _opened(settings: dict[str, object], place: Place, give_up: Callable[[], bool], prefix: str = "") -> zenoh.Session:
     if place.connect.startswith("tls/") and place.credentials is None:
-        raise BusError(f"{place.connect} is a closed network: name your certificates with --secure or TANDEM_SECURE")
+        raise BusError(f"{place.connect} is a closed network: name your certificates with TANDEM_SECURE=FOLDER")
     # Zenoh's own endless waiting cannot be interrupted by a signal; short attempts can.
     while True:
         # Another identity for each attempt: the router may still believe in the link of the one before.
