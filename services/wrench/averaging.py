@@ -33,6 +33,7 @@ class Average:
         peak: (6,) [N, Nm] largest distance of a reading from the mean: spikes are more than their standard deviation.
         rounding: bound (6,) [N, Nm] on what steps or a dead zone make the mean wrong by.
         independent: (6,) how many independent readings these are worth.
+        unknown: bound (6,) [N, Nm] on how coarse an axis may be that repeated one value.
     """
 
     mean: Array
@@ -42,6 +43,7 @@ class Average:
     peak: Array = field(default_factory=lambda: np.zeros(6))
     rounding: Array = field(default_factory=lambda: np.zeros(6))
     independent: Array | None = None
+    unknown: Array = field(default_factory=lambda: np.zeros(6))
 
     @property
     def variance(self) -> Array:
@@ -52,7 +54,7 @@ class Average:
     @property
     def mean_error(self) -> Array:
         """Bound (6,) [N, Nm] on the error of the mean."""
-        return SIGMAS * np.sqrt(self.variance) + self.rounding
+        return SIGMAS * np.sqrt(self.variance) + self.rounding + self.unknown
 
     @property
     def noise(self) -> Array:
@@ -67,7 +69,7 @@ class AveragingWindow:
         duration: [s].
         noise_bound: (6,) [N, Nm] declared bound on the sensor's noise, sensor axes.
         resolution: (6,) [N, Nm] declared step of the readings, or reading up to which they are zero, 0 = unknown.
-        bias_bound: (6,) [N, Nm] declared bound on the bias: of an axis that repeats one value beside noisy ones.
+        bias_bound: (6,) [N, Nm] declared bound on the bias: on the error of an axis that repeats one value, too.
     """
 
     def __init__(self, duration: float, noise_bound: Array, resolution: Array, bias_bound: Array) -> None:
@@ -109,12 +111,18 @@ class AveragingWindow:
                     "the tool moves or something touches it. Let it stand still and free, or raise noise_bound"
                 )
         rounding = np.array([_rounding(readings[:, axis]) for axis in range(6)])
-        # Not the standard deviation: that of many equal readings is a rounding error, and not zero.
-        if np.ptp(readings, axis=0).any():
-            rounding = np.where(np.isinf(rounding), self._bias_bound, rounding)
+        # Of an axis that repeats one value nobody knows how coarse it is, whether the others have noise or not.
+        unknown = np.where(np.isinf(rounding) & (self._resolution <= 0.0), self._bias_bound, 0.0)
         rounding = np.where(self._resolution > 0.0, self._resolution, np.where(np.isinf(rounding), 0.0, rounding))
         return Average(
-            mean, std, count, rotation, np.abs(readings - mean).max(axis=0), rounding, _independent(readings - mean)
+            mean,
+            std,
+            count,
+            rotation,
+            np.abs(readings - mean).max(axis=0),
+            rounding,
+            _independent(readings - mean),
+            unknown,
         )
 
     def _mean_rotation(self) -> Array:

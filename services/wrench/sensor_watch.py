@@ -225,7 +225,10 @@ class SensorWatch:
         if not still or self._age < SILENT_START:
             return ""
         if len(still) == 6:
-            return "the force sensor has repeated its first reading since the start: is it a simulator without noise?"
+            return (
+                "the force sensor has repeated its first reading since the start: is it a simulator without noise? "
+                "Declare its `resolution`, such as 1e-6, or a zero is known to `bias_bound` only"
+            )
         return (
             f"{_named(still, self._axes)} since the start: a sensor of fewer axes, or one without noise? "
             "What acts along an axis that is not measured is not felt"

@@ -51,7 +51,7 @@ def test_spikes_steps_and_dead_zones_are_in_the_bounds() -> None:
     dead[:, 1] = np.where(np.abs(dead[:, 1] + 2.0) < 0.15, 0.0, dead[:, 1] + 2.0)
     error = averaged(list(dead)).mean_error
     assert error[1] > 0.15 and error[2] == BIAS_BOUND[2] and error[0] < 0.1
-    assert not averaged([np.zeros(6)] * 100).mean_error.any(), "no noise at all is no dead zone"
+    assert not averaged([np.zeros(6)] * 100).noise.any(), "no noise at all is no dead zone"
     window = AveragingWindow(1.0, NOISE_BOUND, step, BIAS_BOUND)
     for _ in range(10):
         window.add(np.zeros(6), LEVEL, DT)
@@ -112,7 +112,12 @@ def test_readings_behind_a_low_pass_are_worth_fewer(share: float) -> None:
     assert np.sqrt((ratio**2).mean()) < 1.6 / 5.0  # one standard deviation of five, known by 100 readings
 
 
-def test_many_equal_readings_have_no_noise_whatever_rounding_makes_of_their_mean() -> None:
-    """A simulator without noise; taken for a noisy sensor, its repeating axes would be known to `bias_bound`."""
+def test_how_coarse_an_axis_is_that_repeats_one_value_has_to_be_declared() -> None:
+    """A simulator without noise, or a sensor with steps of newtons: rounding of the mean must not decide which."""
     reading = np.array((0.3, -0.7, -8.07, 0.05, 0.1, 0.02))
-    assert averaged([reading] * 51).mean_error.max() < 1e-9
+    made = averaged([reading] * 51)
+    assert np.allclose(made.mean_error, BIAS_BOUND) and made.noise.max() < 1e-9
+    window = AveragingWindow(0.5, NOISE_BOUND, np.full(6, 1e-6), BIAS_BOUND)
+    while not window.add(reading, LEVEL, DT):
+        pass
+    assert window.average().mean_error.max() < 1.1e-6
