@@ -14,8 +14,8 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from services.cli.common import DEFAULT_ROBOT, Robot, refuse
-from shared.processes import ROUTER
-from shared.wire.access import PARTICIPANTS, common_name, speaks_as
+from shared.processes import ROUTER, publisher_named
+from shared.wire.access import PARTICIPANTS, common_name
 
 _HOUR = datetime.timedelta(hours=1)
 _AUTHORITY_DAYS = 3650
@@ -42,7 +42,7 @@ def keys(
     for participant in only or known:
         place = folder / participant
         if only or not (place / "certificate.pem").exists():
-            addresses = (participant, speaks_as(participant), *_OWN_ADDRESSES, *(name or ()))
+            addresses = (participant, publisher_named(participant), *_OWN_ADDRESSES, *(name or ()))
             authority.issue(place, common_name(robot, participant), tuple(dict.fromkeys(addresses)), days)
             made.append(participant)
     typer.echo(

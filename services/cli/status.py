@@ -16,7 +16,6 @@ from services.cli.stack.plan import remembered
 from shared import topics
 from shared.processes import STACK
 
-NO_ZERO = -1.0  # [s] as `wrench/external.zero_age` says it
 LISTEN = 1.2  # [s]: two health periods and a bit; less when everybody has spoken
 
 
@@ -54,7 +53,7 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
     console.print()
     if not wrong:
         wrench = watch.message(topics.WRENCH_EXTERNAL)
-        if wrench is not None and wrench.zero_age == NO_ZERO:
+        if wrench is not None and wrench.zero_age is not None and wrench.zero_age < 0.0:
             bound = max(wrench.error_bound[:3])
             console.print(f"everything works, but the sensor has no zero of this run (+-{bound:.1f} N): `tandem tare`")
         else:

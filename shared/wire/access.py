@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from shared.processes import HEALTHY, PROCESSES, ROUTER
+from shared.processes import HEALTHY, ROUTER, publisher_named
 from shared.topics import ANYBODY, CONTROL_TARGET, QUERIES, ROBOT, TOPICS, Query, Topic
 
 OPERATOR = "operator"
@@ -44,7 +44,7 @@ def may_publish(participant: str, topic: Topic) -> bool:
         return True
     if participant == OPERATOR:
         return topic is CONTROL_TARGET
-    return speaks_as(participant) in topic.publishers
+    return publisher_named(participant) in topic.publishers
 
 
 def may_ask(participant: str, query: Query) -> bool:
@@ -54,7 +54,7 @@ def may_ask(participant: str, query: Query) -> bool:
 
 def may_serve(participant: str, query: Query) -> bool:
     """Whether a participant may answer a query."""
-    return speaks_as(participant) == query.server
+    return publisher_named(participant) == query.server
 
 
 def access(robots: Sequence[str]) -> dict[str, Any]:
@@ -95,7 +95,7 @@ def _own(participant: str) -> Iterator[tuple[str, tuple[str, ...], list[str]]]:
     said = [topic.key for topic in TOPICS if may_publish(participant, topic)]
     if participant not in (OPERATOR, READER):
         said.append(f"health/{participant}")
-    if speaks_as(participant) == ROBOT:
+    if publisher_named(participant) == ROBOT:
         # What a robot sends to itself, to see whether the router hands it on.
         said.append("beat/*")
     for what, messages, keys in (
@@ -106,11 +106,6 @@ def _own(participant: str) -> Iterator[tuple[str, tuple[str, ...], list[str]]]:
     ):
         if keys:
             yield what, messages, keys
-
-
-def speaks_as(participant: str) -> str:
-    """A participant's name among publishers and servers of the tables, and in the chain."""
-    return next((process.publisher for process in PROCESSES if process.name == participant), participant)
 
 
 def _rule(name: str, flow: str, messages: Sequence[str], keys: Sequence[str]) -> dict[str, Any]:
