@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, NoReturn
 import typer
 from rich.table import Table
 
+from shared.faults import FaultKind
 from shared.parameters import Refused
 from shared.processes import speakers
 from shared.topics import Query
@@ -91,9 +92,13 @@ def go_first(turn: Turn) -> None:
 
 
 def unheard(subscription: Subscription) -> str:
-    """Why there is no message of a topic: nothing came, or nothing that came could be used."""
+    """Why there is no message of a topic: nothing came, or nothing that came could be used; empty if there is one,
+    though it may say itself that it is not to be trusted.
+    """
     fault = subscription.fault(subscription.now_ns(), math.inf)
-    return f"{str(fault).rstrip(chr(46))} See: tandem status" if fault else ""
+    if fault is None or fault.kind is FaultKind.INVALID:
+        return ""
+    return f"{str(fault).rstrip(chr(46))} See: tandem status"
 
 
 def table(*columns: str, vertical: Literal["top", "bottom"] = "top", **options: Any) -> Table:

@@ -19,6 +19,8 @@ from shared.spatial import GRAVITY
 from shared.wire.bus import NoReply
 from shared.wire.client import Client
 
+_SIMULATED = "only a simulated robot can do this; is one running? See: tandem status"
+
 
 def tare(
     duration: Annotated[float, typer.Option(min=0.1, help="How long to average [s].")] = 1.0,
@@ -154,7 +156,7 @@ def reset(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) -> 
         try:
             set_back(Client(bus))
         except NoReply as problem:
-            refuse(f"{problem}: is a simulated robot running? See: tandem status", 1)
+            refuse(f"{problem}: {_SIMULATED}", 1)
         except Refused as problem:
             refuse(f"the scene is set back, but not the task: {problem}", 1)
     typer.echo("the scene is as it was at the start")
@@ -162,4 +164,9 @@ def reset(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) -> 
 
 def _command(robot: str, connect: str, request: dict[str, Any]) -> None:
     with open_bus(robot, connect) as bus:
-        ask(bus, topics.SIM_COMMAND, request)
+        try:
+            Client(bus).ask(topics.SIM_COMMAND, request)
+        except NoReply as problem:
+            refuse(f"{problem}: {_SIMULATED}", 1)
+        except Refused as problem:
+            refuse(f"the robot refused: {problem}", 1)

@@ -69,6 +69,7 @@ _SENTENCES = {
     Impairment.BLIND: {
         "camera_never": "waiting for sensor/camera: never received. Is the camera on?",
         "camera_silent": "no image for {}. Is the camera on?",
+        "camera_slow": "images come {}: set a higher rate in the camera's driver, or a longer `marker_max_age`",
         "camera_refused": "{}",
         "camera_invalid": "the camera's image is marked invalid: look at the camera",
         "camera_broken": "the camera's image cannot be read: {}",

@@ -40,12 +40,12 @@ class Caps:
 
     Args:
         reserve: share of the limit that pressing leaves.
-        yield_start: rho, share of the limit where yielding begins; 1 = strict.
+        yield_start: r, share of the limit where yielding begins; 1 = strict.
 
     Attributes:
         refusal: why the limits cannot be kept, or None.
         errors: eps (6,) with a margin, see ``update``.
-        start: theta = rho W (6,) with ``W = wbar - eps``.
+        start: theta = r W (6,) with ``W = wbar - eps``.
         room: X = W - theta (6,).
         promise: P (6,) that no true wrench passes at rest; None before the first ``lower``.
         lowering: some axis of ``promise`` is above what belongs to the limits.
@@ -59,7 +59,7 @@ class Caps:
     """
 
     def __init__(self, reserve: float, yield_start: float) -> None:
-        self._reserve, self._rho = reserve, yield_start
+        self._reserve, self._yield_start = reserve, yield_start
         self._limits: list[float] = []
         self.errors = [0.0] * 6
         self._given: list[float] = []  # the bounds as they were when ``_errors`` was chosen
@@ -86,16 +86,16 @@ class Caps:
             return
         error_bound = np.array(self.errors)
         W = limit - error_bound
-        room = (1.0 - self._rho) * W
-        self.start = (self._rho * W).tolist()
+        room = (1.0 - self._yield_start) * W
+        self.start = (self._yield_start * W).tolist()
         self.room = room.tolist()
         # Proof of a moving environment comes the sooner the lower C is; half of the room is what yielding needs.
-        cap = np.maximum(W - 2.0 * error_bound, W - 0.5 * room) if self._rho < 1.0 else W
+        cap = np.maximum(W - 2.0 * error_bound, W - 0.5 * room) if self._yield_start < 1.0 else W
         self._cap = cap.tolist()
-        self._aim = (cap + error_bound).tolist() if self._rho < 1.0 else limits  # not W + eps: that rounds
+        self._aim = (cap + error_bound).tolist() if self._yield_start < 1.0 else limits  # not W + eps: that rounds
         # rho_i = max(reserve W_i, 3 eps_i): a smaller one would vanish in the measurement's error.
         self._kept = np.tile(np.maximum(self._reserve * W, 3.0 * error_bound), 2)
-        self.levels = self._levels(self.rounded([0.0] * 6) if self._rho < 1.0 else W.tolist())
+        self.levels = self._levels(self.rounded([0.0] * 6) if self._yield_start < 1.0 else W.tolist())
         if self.promise is not None:
             self._keep([max(kept, aim) for kept, aim in zip(self.promise, self._aim, strict=True)])
 
@@ -125,7 +125,7 @@ class Caps:
         self.force = list(map(max, self._limits[:3], self.promise[:3]))
         self.most = [kept - error for kept, error in zip(self.promise, self.errors, strict=True)]
         self.wall = [kept + error for kept, error in zip(self.promise, self.errors, strict=True)]
-        if self._rho < 1.0:
+        if self._yield_start < 1.0:
             self.threshold = self.start
         else:
             self.threshold = [max(0.0, left) for left in self.levels[2, :6].tolist()] if self.lowering else self.wall

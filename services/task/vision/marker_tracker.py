@@ -71,7 +71,7 @@ class MarkerTracker:
         self._pose: Pose | None = None
         self._age = 0.0
         self._confirmed = 0
-        self._since_image = 0.0
+        self._since_image = self._between = 0.0
         self._image_seen = False
         self._doubt: TaskFault | None = None
         self.seen: Candidate | None = None
@@ -101,6 +101,8 @@ class MarkerTracker:
         limit = self._settings.marker_max_age
         if not self._image_seen:
             return TaskFault("camera_never")
+        if self._between > limit and self._since_image <= 2.0 * self._between:
+            return TaskFault("camera_slow", f"{self._between:.1f} s apart, allowed are {limit:g} s")
         if self._since_image > limit:
             return TaskFault("camera_silent", f"{self._since_image:.1f} s, allowed are {limit:g} s")
         if self._doubt is None:
@@ -116,7 +118,7 @@ class MarkerTracker:
 
     def useless(self, fault: TaskFault) -> None:
         """Take note of an image that is of no use."""
-        self._image_seen, self._since_image = True, 0.0
+        self._arrived()
         self._doubt, self.seen = fault, None
 
     def look(self, found: Sequence[Candidate], camera: Pose, age: float, hindrance: TaskFault | None = None) -> None:
@@ -128,8 +130,13 @@ class MarkerTracker:
             age: time [s] since it was taken.
             hindrance: why it may show nothing.
         """
-        self._image_seen, self._since_image, self.seen = True, 0.0, None
+        self._arrived()
+        self.seen = None
         self._doubt = self._accept(found, camera, age, hindrance)
+
+    def _arrived(self) -> None:
+        self._between = self._since_image if self._image_seen else 0.0
+        self._image_seen, self._since_image = True, 0.0
 
     def _accept(
         self, found: Sequence[Candidate], camera: Pose, age: float, hindrance: TaskFault | None

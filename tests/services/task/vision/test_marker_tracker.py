@@ -98,6 +98,18 @@ def test_no_pose_is_older_than_allowed() -> None:
     assert doubt(made) == "camera_silent"
 
 
+def test_a_camera_slower_than_a_pose_may_be_old_is_called_slow_until_it_is_silent() -> None:
+    made = tracker()
+    for _ in range(3):
+        made.advance(1.0)
+        made.look([seen()], ORIGIN, 0.0)
+        made.advance(0.6)
+        assert doubt(made) == "camera_slow" and "1.0 s apart" in made.doubt.sentence
+        made.advance(-0.6)
+    made.advance(2.1)
+    assert doubt(made) == "camera_silent"
+
+
 def test_an_old_image_is_refused() -> None:
     made = tracker(0)
     made.look([seen()], ORIGIN, 0.6)
