@@ -45,9 +45,14 @@ class Links:
         return self.pattern.replace(_NAME, self.own)
 
     @property
-    def dial(self) -> dict[str, str]:
-        """Endpoint of every other process of the chain, by its name."""
-        return {name: self.pattern.replace(_NAME, name) for name in self.names if name != self.own}
+    def others(self) -> tuple[str, ...]:
+        """Names of every other process of the chain."""
+        return tuple(name for name in self.names if name != self.own)
+
+    @property
+    def dial(self) -> tuple[str, ...]:
+        """Endpoints of the processes before it in the chain; those after it dial this one."""
+        return tuple(self.pattern.replace(_NAME, name) for name in self.names[: self.names.index(self.own)])
 
 
 def links_of(own: str, names: Sequence[str], pattern: str, robot: str, router: str) -> Links | None:

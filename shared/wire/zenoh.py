@@ -255,7 +255,7 @@ class ZenohBus:
         if self._links is None:
             return {}
         there = linked(self._control, self._links)
-        return {name: name in there for name in self._links.dial}
+        return {name: name in there for name in self._links.others}
 
     def close(self) -> None:
         """Leave the bus. Without this a process with subscriptions does not end."""

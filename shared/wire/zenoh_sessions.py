@@ -29,13 +29,6 @@ _ROUTER_FIRST = {
     "connect/retry": {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5},
 }
 """Without a router there is an error soon; a connection that is lost is made again for ever."""
-_DIRECT = {
-    "transport/unicast/lowlatency": True,
-    "transport/unicast/qos/enabled": False,
-    "listen/exit_on_failure": False,
-}
-"""Between two peers a message is written by whoever sends it, without waking a thread; the router's link stays an
-ordinary one. Nothing large is meant to travel there: it would hold whoever sends it."""
 
 
 def _settings(mode: str, credentials: Credentials | None) -> dict[str, object]:
@@ -148,10 +141,11 @@ def open_peer(place: Place, links: Links, give_up: Callable[[], bool]) -> zenoh.
 
     Its identity begins with its place in the chain, so that the others know by name who is linked (``linked``).
     """
-    dial = [f"{endpoint}#exit_on_failure=false" for endpoint in links.dial.values()]
-    settings = _settings("peer", place.credentials) | _ROUTER_FIRST | _DIRECT
+    dial = [f"{endpoint}#exit_on_failure=false" for endpoint in links.dial]
+    settings = _settings("peer", place.credentials) | _ROUTER_FIRST
     settings |= {
         "listen/endpoints": [links.listen],
+        "listen/exit_on_failure": False,
         "connect/endpoints": [f"{place.connect}#exit_on_failure=true", *dial],
     }
     if place.credentials:

@@ -28,7 +28,7 @@ pytestmark = [
     pytest.mark.processes,
     pytest.mark.skipif(
         "TANDEM_TRY_LINKS" not in os.environ,
-        reason="direct links are on trial: set TANDEM_TRY_LINKS (docs/architecture.md says what is open)",
+        reason="direct links are on trial: set TANDEM_TRY_LINKS",
     ),
 ]
 MODULES = {"robot": "mock", "wrench": "wrench", "controller": "controller"}
