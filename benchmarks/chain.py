@@ -22,6 +22,8 @@ LIMIT = 1.3
 """Largest ratio to the bare relay that the chain aims at."""
 LINKED = {100.0: 0.92, 500.0: 0.85}
 """Largest ratio of the medians, over direct links to through the router, by rate."""
+TOGETHER = 4
+"""Robots that share a router."""
 OVERRUN_SHARE = 1e-3
 """Largest share of late steps of wrench and controller at 500 Hz."""
 
@@ -44,7 +46,7 @@ def rows(quick: bool) -> list[Row]:
     for rate in RATES:
         table += _compared(rate, *((2, 2.0) if quick else (4, 6.0)))
     table.append(_sustained(RATES[-1], 3.0 if quick else 30.0))
-    return table
+    return [*table, *_beside(RATES[0], *((1, 2.0) if quick else (3, 6.0)))]
 
 
 def _compared(rate: float, rounds: int, seconds: float) -> list[Row]:
@@ -81,6 +83,29 @@ def _compared(rate: float, rounds: int, seconds: float) -> list[Row]:
     ros = total["ros"]
     note = f"rospy, which has no router: p50 {ros.quantile(0.5):.0f}, p99 {ros.quantile(0.99):.0f} us"
     return [*table, _ratio(claim, chain.quantile(0.99), ros.quantile(0.99), 1.0, note)]
+
+
+def _beside(rate: float, rounds: int, seconds: float) -> list[Row]:
+    """What robots that share a router cost each other."""
+    alone, beside = Segment(), [Segment() for _ in range(TOGETHER)]
+    for _ in range(rounds):
+        alone.add(segments.chain(rate, seconds))
+        for total, segment in zip(beside, segments.chains(rate, seconds, TOGETHER), strict=True):
+            total.add(segment)
+    slowest = max(beside, key=lambda segment: segment.quantile(0.5))
+    title = f"{TOGETHER} robots at {rate:.0f} Hz at one router"
+    ratio = slowest.quantile(0.5) / alone.quantile(0.5)
+    note = f"{slowest.quantile(0.5):.0f} us, alone {alone.quantile(0.5):.0f} us"
+    return [
+        shown(f"{title}, p50 of the slowest to that of one alone", ratio, "times", COMMAND, note),
+        shown(
+            f"{title}, samples without a command, most of any",
+            100 * max(segment.lost for segment in beside),
+            "%",
+            COMMAND,
+            f"alone {alone.lost:.2%}",
+        ),
+    ]
 
 
 def _against(title: str, name: str, share: float, chain: Segment, relay: Segment) -> Row:

@@ -1,4 +1,4 @@
-"""Source and sink of the chain: ``python -m benchmarks.latency.chain_probe <endpoint> <rate> <seconds> [<links>]``.
+"""Source and sink: ``python -m benchmarks.latency.chain_probe <robot> <endpoint> <rate> <seconds> [<links>]``.
 
 The mock robot with the real gate: its ``sensor/ft`` puts and the arrivals of ``command/ee_twist`` are timed on its bus.
 """
@@ -32,8 +32,8 @@ SERVICES = ("wrench", "controller")
 class TimedBus(ZenohBus):
     """A bus that notes when samples leave and commands arrive, in ns of the steady clock."""
 
-    def __init__(self, endpoint: str, links: str) -> None:
-        super().__init__(connect=endpoint, links=links_of(ROBOT, LINKED, links, "tiago", endpoint))
+    def __init__(self, robot: str, endpoint: str, links: str) -> None:
+        super().__init__(robot, endpoint, links=links_of(ROBOT, LINKED, links, robot, endpoint))
         self.link()
         self.puts: list[int] = []
         self.arrivals: list[int] = []
@@ -59,8 +59,8 @@ class TimedBus(ZenohBus):
 
 def main() -> None:
     """Print the latencies [us] and the overruns in between as JSON."""
-    endpoint, rate, duration = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
-    bus, ended = TimedBus(endpoint, "".join(sys.argv[4:])), threading.Event()
+    rate, duration = float(sys.argv[3]), float(sys.argv[4])
+    bus, ended = TimedBus(sys.argv[1], sys.argv[2], "".join(sys.argv[5:])), threading.Event()
     eventually(lambda: bus.living() >= set(SERVICES), PATIENCE, "wrench and controller run")
     client, robot = Client(bus), MockRobot(MockParameters(rate=rate))
     health = {name: client.watch(health_topic(name)) for name in SERVICES}

@@ -72,11 +72,19 @@ def _started() -> Iterator[tuple[Processes, str]]:
 
 def chain(rate: float, seconds: float, links: str = "") -> Segment:
     """The real services through a real router, or over direct links beside it."""
+    return chains(rate, seconds, 1, links)[0]
+
+
+def chains(rate: float, seconds: float, count: int, links: str = "") -> list[Segment]:
+    """As many robots with services of their own at one router, all at the same time."""
     with _started() as (processes, endpoint):
-        for service in ("wrench", "controller"):
-            processes.start(f"services.{service}", "--connect", endpoint, "--links", links)
-        probe = ("benchmarks.latency.chain_probe", endpoint, str(rate), str(seconds), links)
-        return _measured(processes.start(*probe))
+        probes = []
+        for robot in (f"robot{number}" for number in range(count)):
+            for service in ("wrench", "controller"):
+                processes.start(f"services.{service}", "--robot", robot, "--connect", endpoint, "--links", links)
+            probe = ("benchmarks.latency.chain_probe", robot, endpoint, str(rate), str(seconds), links)
+            probes.append(processes.start(*probe))
+        return [_measured(probe) for probe in probes]
 
 
 def linked(rate: float, seconds: float) -> Segment:

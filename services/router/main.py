@@ -41,10 +41,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         action="append",
         help="robots that it serves with --secure; may be given several times (default: tiago)",
     )
+    parser.add_argument(
+        "--link",
+        action="append",
+        metavar="ENDPOINT",
+        help="router of another machine, whose participants this one's hear; may be given several times, and is given "
+        "to one of the two (default: TANDEM_LINK, separated by commas)",
+    )
     try:
         options = parser.parse_args(arguments)
         robots = options.robot or os.environ.get("TANDEM_ROBOT", "tiago").split(",")
-        session = open_router(options.listen, options.config, Credentials.of(options.secure), robots)
+        others = options.link or [other for other in os.environ.get("TANDEM_LINK", "").split(",") if other]
+        session = open_router(options.listen, options.config, Credentials.of(options.secure), robots, others)
     except (BusError, Misconfigured) as problem:
         return complain(NAME, problem)
     where = f"as {options.config} says" if options.config else f"on {options.listen}"

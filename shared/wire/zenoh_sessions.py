@@ -23,12 +23,10 @@ _LARGEST_MESSAGE = 2 * max(topic.cap for topic in TOPICS)
 _RUNTIME = "(app: (worker_threads: 2), net: (handover: app), acc: (handover: app), rx: (handover: app))"
 """One pool of threads for all that Zenoh does but sending: what one pool hands to another wakes a thread, which costs a
 fifth of a message's latency. Sending keeps its own, without which large payloads are dropped under load."""
-_ROUTER_FIRST = {
-    "connect/timeout_ms": 300,
-    "connect/exit_on_failure": True,
-    "connect/retry": {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5},
-}
-"""Without a router there is an error soon; a connection that is lost is made again for ever."""
+_RETRY = {"connect/retry": {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 1.5}}
+"""A connection that is lost is made again for ever."""
+_ROUTER_FIRST = _RETRY | {"connect/timeout_ms": 300, "connect/exit_on_failure": True}
+"""Without a router there is an error soon."""
 
 
 def _settings(mode: str, credentials: Credentials | None) -> dict[str, object]:
@@ -62,6 +60,7 @@ def open_router(
     config_file: Path | None = None,
     credentials: Credentials | None = None,
     robots: Sequence[str] = (),
+    others: Sequence[str] = (),
 ) -> zenoh.Session:
     """A Zenoh router inside this process; close it with its ``close``.
 
@@ -70,6 +69,7 @@ def open_router(
         config_file: Zenoh's own JSON5 configuration, which then decides everything, the endpoint included.
         credentials: its certificate; with one nobody can do anything but what the certificates of these robots allow.
         robots: first chunks of the keys of the robots that it serves.
+        others: endpoints of routers on other machines, which it dials until they are there, and again when lost.
 
     Raises:
         BusError: if the file cannot be read or the endpoint cannot be listened on.
@@ -82,7 +82,10 @@ def open_router(
             raise BusError(f"--config {config_file}: not a Zenoh configuration ({_first_line(problem)})") from None
     else:
         check_endpoint("--listen", listen)
-        settings = _settings("router", credentials) | {"listen/endpoints": [listen], "listen/exit_on_failure": True}
+        for other in others:
+            check_endpoint("--link", other)
+        settings = _settings("router", credentials) | _RETRY
+        settings |= {"listen/endpoints": [listen], "listen/exit_on_failure": True, "connect/endpoints": [*others]}
         config = _config(settings | ({"access_control": access(robots)} if credentials else {}))
     try:
         return zenoh.open(config)

@@ -31,6 +31,7 @@ class Process:
         output: Path,
         environment: dict[str, str] | None = None,
         python: str = sys.executable,
+        within: Sequence[str] = (),
     ) -> None:
         """Starts the process.
 
@@ -40,13 +41,14 @@ class Process:
             output: the file that standard output and standard error go to.
             environment: added to this process' environment, from which TANDEM_* is removed.
             python: the interpreter.
+            within: what its command begins with, such as another machine's.
         """
         inherited = {name: value for name, value in os.environ.items() if not name.startswith("TANDEM_")}
         self.module = module
         self._output = output
         with output.open("wb") as sink:
             self._process = subprocess.Popen(
-                [python, *([] if module.startswith("/") else ["-m"]), module, *arguments],
+                [*within, python, *([] if module.startswith("/") else ["-m"]), module, *arguments],
                 cwd=ROOT,
                 env={**inherited, "PYTHONUNBUFFERED": "1", **(environment or {})},
                 stdin=subprocess.DEVNULL,
@@ -140,11 +142,16 @@ class Processes(ExitStack):
         self._numbers = itertools.count()
 
     def start(
-        self, module: str, *arguments: str, environment: dict[str, str] | None = None, python: str = sys.executable
+        self,
+        module: str,
+        *arguments: str,
+        environment: dict[str, str] | None = None,
+        python: str = sys.executable,
+        within: Sequence[str] = (),
     ) -> Process:
         """Starts ``python -m module arguments...``."""
         output = self._folder / f"{next(self._numbers)}-{Path(module).name}.log"
-        return self.enter_context(Process(module, arguments, output, environment, python))
+        return self.enter_context(Process(module, arguments, output, environment, python, within))
 
     def router(self, endpoint: str) -> Process:
         """Starts a router and waits until it listens on an endpoint."""
