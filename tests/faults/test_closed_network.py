@@ -122,7 +122,7 @@ def test_whoever_is_refused_is_told_why(endpoint: str, keys: Path, tmp_path: Pat
 def test_another_robot_s_certificate_hears_and_stops_nothing(
     endpoint: str, keys: Path, everybody: dict[str, ZenohBus]
 ) -> None:
-    make(keys, "--robot", "reem", "--only", "viewer")
+    make(keys, "--robot", "reem", "--only", "viewer", "--renew")
     heard: list[bytes] = []
     stops: list[bytes] = []
     with closing(enter(endpoint, keys / "viewer")) as foreign:
