@@ -82,7 +82,7 @@ bench: $(BENCH_READY) ## the benchmarks, as one table
 lock: $(READY) ## pin the requirements anew
 	@echo uv | $(COMPILE) - -o $(REQUIREMENTS)/uv.txt
 	@$(COMPILE) --extra all --extra test --extra lint --group build pyproject.toml -o $(REQUIREMENTS)/all.txt
-	@for stage in core: controller:controller task:task sim:sim tools:sim,experiment,cli; do \
+	@for stage in core: cli:cli controller:controller task:task sim:sim tools:sim,experiment; do \
 		$(COMPILE) $$(printf '%s' "$${stage#*:}" | sed -E 's/[a-z]+,?/--extra &/g; s/,/ /g') \
 			-c $(REQUIREMENTS)/all.txt pyproject.toml -o $(REQUIREMENTS)/$${stage%%:*}.txt; \
 	done

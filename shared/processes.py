@@ -112,7 +112,7 @@ EXPERIMENT = Process(
     options=("play", "load", "--run", "certified-100", "--out", "{folder}", *ON_THE_BUS),
 )
 CLI = Process(
-    "cli", "the command `tandem`", "by hand", image="tools", extra="cli", service=False, settable=False, options=()
+    "cli", "the command `tandem`", "by hand", image="cli", extra="cli", service=False, settable=False, options=()
 )
 
 PROCESSES = (ROUTER, SIM, MOCK, WRENCH, CONTROLLER, BASE, TASK, EXPERIMENT, CLI)

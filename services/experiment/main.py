@@ -23,6 +23,7 @@ from shared.loop.entry import end_at_once
 from shared.parameters import Refused
 from shared.wire.bus import NoReply
 from shared.wire.client import Client
+from shared.wire.credentials import Credentials
 from shared.wire.endpoint import BusError
 from shared.wire.zenoh import ZenohBus
 
@@ -108,7 +109,7 @@ def _run(options: argparse.Namespace) -> int:
     folder = options.out or Path("runs") / f"{experiment.name}-{time.strftime('%Y%m%d-%H%M%S')}"
     recorded = folder / run.name / RECORDING
     recorded.parent.mkdir(parents=True, exist_ok=True)
-    bus = ZenohBus(robot, options.connect)
+    bus = ZenohBus(robot, options.connect, credentials=Credentials.given())
     try:
         if NAME in bus.living():
             raise Refused(f"another one is played as {robot} on {options.connect}: wait for its end, or end it first")

@@ -11,25 +11,43 @@ import pytest
 import yaml
 
 from shared.processes import CLI, EXPERIMENT, PROCESSES, Process, process_named
+from shared.wire import access
 
 ROOT = Path(__file__).parents[2]
 DOCKERFILE = (ROOT / "deploy" / "Dockerfile").read_text(encoding="utf-8")
 COMPOSE = yaml.safe_load((ROOT / "docker-compose.yml").read_text(encoding="utf-8"))
 REALTIME = yaml.safe_load((ROOT / "deploy" / "compose.realtime.yml").read_text(encoding="utf-8"))
 SERVICES: dict[str, dict[str, Any]] = COMPOSE["services"]
-OPERATOR = "tandem"
+OPERATOR, KEYS = "tandem", "keys"
+"""Containers of the command line: the person's, and the one that makes everybody's keys before the others start."""
 BY_ITSELF = [process.name for process in PROCESSES if process.started != "by hand"]
+
+CAPABILITIES = {
+    # It becomes the owner of the folder that it writes into, and cannot come back.
+    EXPERIMENT.name: ["SETUID", "SETGID"],
+    # It writes into everybody's volume, and gives what it wrote to whose it is.
+    KEYS: ["CHOWN", "DAC_OVERRIDE"],
+}
+"""Of whoever has any, and starts as root for them."""
 
 every_service = pytest.mark.parametrize("name", SERVICES)
 every_process = pytest.mark.parametrize("process", PROCESSES, ids=lambda process: process.name)
 
 
 def process_of(name: str) -> Process:
-    return CLI if name == OPERATOR else process_named(name)
+    return CLI if name in (OPERATOR, KEYS) else process_named(name)
+
+
+def participant(name: str) -> str:
+    """Whose certificate a container has."""
+    return access.OPERATOR if name == OPERATOR else name
+
+
+CLOSED = [name for name in SERVICES if name != KEYS]
 
 
 def test_every_process_of_the_carry_has_a_container() -> None:
-    assert set(SERVICES) == {*BY_ITSELF, EXPERIMENT.name, OPERATOR}
+    assert set(SERVICES) == {*BY_ITSELF, EXPERIMENT.name, OPERATOR, KEYS}
 
 
 @every_service
@@ -39,7 +57,7 @@ def test_it_runs_its_module_in_its_image_as_its_user(name: str) -> None:
     assert service["image"] == f"tandem-{process.image}"
     command = [*service.get("entrypoint", []), *service.get("command", [])]
     assert command[command.index("python") :][:3] == ["python", "-m", process.module]
-    assert service["user"] == ("root" if process is EXPERIMENT else process.name)
+    assert service["user"] == ("root" if name in CAPABILITIES else process.name)
 
 
 @every_service
@@ -49,15 +67,40 @@ def test_it_may_do_nothing_but_its_work(name: str) -> None:
     # An init in front of a service would be what `kill -s STOP` hangs.
     assert ("init" in service) == (name not in BY_ITSELF)
     assert service["cap_drop"] == ["ALL"]
-    # The experiment becomes the owner of the folder that it writes into, and cannot come back.
-    assert service.get("cap_add", []) == (["SETUID", "SETGID"] if name == EXPERIMENT.name else [])
+    assert service.get("cap_add", []) == CAPABILITIES.get(name, [])
     assert service["security_opt"] == ["no-new-privileges"]
     assert service["mem_limit"] and service["pids_limit"]
     assert service["stop_grace_period"] == "2s"
-    assert service["networks"] == ["bus"] and "ports" not in service
-    assert not {"privileged", "devices", "pid", "ipc", "network_mode"} & service.keys()
-    own = {f"{name}:/home/{name}", "./runs:/opt/tandem/runs"} if name == EXPERIMENT.name else {f"{name}:/home/{name}"}
-    assert set(service.get("volumes", [])) <= own
+    assert (service.get("networks"), service.get("network_mode")) == (
+        (None, "none") if name == KEYS else (["bus"], None)
+    )
+    assert not {"ports", "privileged", "devices", "pid", "ipc"} & service.keys()
+    own = {f"{name}:/home/{name}", *(["./runs:/opt/tandem/runs"] if name == EXPERIMENT.name else [])}
+    assert {volume for volume in service.get("volumes", []) if "/keys/" not in volume} <= own
+
+
+@pytest.mark.parametrize("name", CLOSED)
+def test_it_has_a_certificate_of_its_own_and_waits_for_it(name: str) -> None:
+    service, own = SERVICES[name], participant(name)
+    assert [volume for volume in service["volumes"] if "/keys/" in volume] == [f"keys-{own}:/keys/{own}:ro"]
+    assert service["environment"]["TANDEM_SECURE"] == f"/keys/{own}"
+    port = SERVICES["router"]["environment"]["TANDEM_LISTEN"].rpartition(":")[2]
+    host = "127.0.0.1" if name == "router" else "router"
+    assert service["environment"]["TANDEM_CONNECT"] == f"tls/{host}:{port}"
+    # The person's command does not make keys each time; it needs a stack that runs anyway.
+    assert name == OPERATOR or service["depends_on"]["keys"] == {"condition": "service_completed_successfully"}
+
+
+def test_the_keys_are_made_for_everybody_and_the_authority_s_goes_to_nobody() -> None:
+    made = SERVICES[KEYS]
+    owners = {participant(name): SERVICES[name]["user"] for name in CLOSED}
+    assert made["environment"]["TANDEM_KEYS"].split() == [*owners]
+    assert made["volumes"] == [f"keys-{owner}:/keys/{owner}" for owner in ("authority", *owners)]
+    assert {f"keys-{owner}" for owner in ("authority", *owners)} <= set(COMPOSE["volumes"])
+    # An empty volume takes owner and mode of the image's directory.
+    directories = re.search(r"^RUN for keys in ([^;]+); do", DOCKERFILE, re.MULTILINE)
+    assert directories is not None
+    assert dict(re.findall(r"(\w+)=(\w+)", directories[1])) == {"authority": "root", **owners}
 
 
 @pytest.mark.parametrize("name", BY_ITSELF)
