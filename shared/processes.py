@@ -123,8 +123,8 @@ STACK = tuple(process.name for process in PROCESSES if process.service and proce
 """The services of every stack."""
 ROBOTS = (*(process.name for process in PROCESSES if process.publisher == ROBOT), ROBOT)
 """The processes of which one stands for the robot: the last of them is whatever a real robot has."""
-HEALTHY = (*SERVICES, ROBOT)
-"""Whoever may tell a health."""
+HEALTHY = (ROUTER.name, *SERVICES, ROBOT)
+"""Whoever may tell a health; the router does on a closed network."""
 LINKED = tuple(dict.fromkeys(process.publisher for process in PROCESSES if process.linked))
 """Names in `shared/topics.py` of the processes of the chain."""
 FURTHER = tuple(process.name for process in PROCESSES if process.started == "with")

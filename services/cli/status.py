@@ -10,7 +10,7 @@ from rich.console import Console
 from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
 from services.cli.health import diagnose
 from services.cli.health.diagnose import control_line, robot_line, task_line
-from services.cli.health.view import services_table, summary
+from services.cli.health.view import details, services_table, summary
 from services.cli.health.watch import Watch
 from services.cli.stack.plan import remembered
 from shared import topics
@@ -39,6 +39,8 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
             rows = [row if row.service in living | set(heard) else diagnose.never_seen(row.service) for row in rows]
         console.print(f"robot {robot} on {connect}", style="bold", highlight=False)
         console.print(services_table(rows, {}))
+        for line in details([row for row in rows if row.ok]):
+            console.print(line, soft_wrap=True)
         for line in summary(watch):
             console.print(line, soft_wrap=True)
         robot_text, robot_ok = robot_line(watch.message(topics.STATE_ROBOT))

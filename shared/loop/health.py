@@ -20,6 +20,7 @@ def health(
     subscriptions: Mapping[str, Subscription],
     taken: Mapping[str, str],
     links: Mapping[str, bool],
+    remark: str = "",
 ) -> Health:
     """How a service is.
 
@@ -31,6 +32,7 @@ def health(
         subscriptions: its inputs, by key.
         taken: by key, who else publishes what it publishes, and was first.
         links: whether there is a direct link to each other process of the chain.
+        remark: on the process, which is as well as before all the same.
     """
     own = service.notes() if fault is None else fault.text
     unused = {key: refused.text for key, one in subscriptions.items() if (refused := one.refused(now_ns))}
@@ -56,6 +58,7 @@ def health(
     # Who has no link may speak through the router, as a client: its absence is a cause only where something is missing.
     if fault and (missing := [name for name in publishers.get(fault.key, ()) if needed.get(name) is False]):
         detail += f"; there is no direct link to {' or '.join(missing)}"
+    detail = "; ".join(filter(None, (detail, remark)))
     inputs = {}
     for key, subscription in subscriptions.items():
         # What may be missing, and what holds until it is replaced, has no fault by being silent.

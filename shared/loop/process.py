@@ -22,6 +22,7 @@ from shared.wire.credentials import Credentials
 from shared.wire.endpoint import BusError, check_endpoint
 from shared.wire.links import NoLinks, links_of
 from shared.wire.publisher import Publisher
+from shared.wire.renewal import Renewal
 from shared.wire.zenoh import ZenohBus
 
 P = TypeVar("P", bound=Parameters)
@@ -73,7 +74,8 @@ def run(make: Callable[[P], Service], parameters: type[P], name: str, arguments:
         bus.link(give_up=lambda: stop.requested)
         if not stop.requested:
             loop = Loop(stop, door.gives_way)
-            loop.run(Runner(service, bus, SteadyClock(), stop.wake.set, loop.on_driver, _report, publisher))
+            remark = Renewal(credentials).look if credentials else lambda: ""
+            loop.run(Runner(service, bus, SteadyClock(), stop.wake.set, loop.on_driver, _report, publisher, remark))
     except Occupied as problem:
         _report(f"{name}: {problem}")
         return SECOND

@@ -41,6 +41,7 @@ class Runner:
             argument for it; ``wake`` if not given.
         report: told each change of the service's state, one line.
         publisher: what it publishes with; one of its own if not given.
+        remark: what else is to be known of the process; asked whenever health is told.
     """
 
     def __init__(
@@ -52,11 +53,13 @@ class Runner:
         work: Work | None = None,
         report: Callable[[str], None] = lambda line: None,
         publisher: Publisher | None = None,
+        remark: Callable[[], str] = lambda: "",
     ) -> None:
         self.service = service
         self._bus = bus
         self._clock = clock
         self._report = report
+        self._remark, self._remarked = remark, ""
         self._publisher = publisher or Publisher(bus, clock)
         self.publish = self._publisher.publish
         self._turns = {topic.key: self._publisher.share(topic) for topic in service.wiring.shares}
@@ -258,7 +261,13 @@ class Runner:
     def _tell_health(self, now: int) -> None:
         self._health_due = now + _HEALTH_PERIOD_NS
         self._links = self._bus.links()
-        message = health(now, self.service, self.fault, self.timing, self.subscriptions, self._taken(), self._links)
+        remark = self._remark()
+        if remark != self._remarked:
+            self._remarked = remark
+            if remark:
+                self._report(f"{self.service.wiring.name}: {remark}")
+        told = self.fault, self.timing, self.subscriptions, self._taken(), self._links, remark
+        message = health(now, self.service, *told)
         self.publish(self._health_topic, message, valid=self.fault is None)
 
     def close(self) -> None:

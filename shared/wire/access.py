@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from shared.processes import HEALTHY, ROUTER, publisher_named
+from shared.processes import ROUTER, SERVICES, publisher_named
 from shared.topics import ANYBODY, CONTROL_TARGET, QUERIES, ROBOT, TOPICS, Query, Topic
 
 OPERATOR = "operator"
@@ -22,7 +22,7 @@ ASKERS = (OPERATOR, "experiment")
 """Participants that may send queries: nothing in the chain asks anything."""
 READER = "viewer"
 """A participant that may only read."""
-PARTICIPANTS = (*HEALTHY, OPERATOR, READER)
+PARTICIPANTS = (*SERVICES, ROBOT, OPERATOR, READER)
 _SAY = ("put", "delete")
 _SERVE = ("reply", "declare_queryable")
 _READ = ("declare_subscriber", "liveliness_query", "declare_liveliness_subscriber")

@@ -1,7 +1,7 @@
 """Certificates of the closed network: a process' own, the authority that it trusts, and why it was refused.
 
 Zenoh says the same of a port where nobody listens and of one where a certificate was refused, so the reason is found
-out by a handshake of Python's own.
+out by a handshake of Python's own. What is wrong with a process' own files is said before anything is dialled.
 """
 
 from __future__ import annotations
@@ -10,9 +10,11 @@ import os
 import re
 import socket
 import ssl
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from shared.wire.certificate import Certificate, read_certificate
 from shared.wire.endpoint import BusError
 
 _PROBE = 1.0  # [s] for a handshake, and for the answer to it
@@ -34,24 +36,65 @@ class Credentials:
         """The credentials in a folder; None if none is named.
 
         Raises:
-            BusError: if a file is missing or cannot be read.
+            BusError: if a file is missing or cannot be used, or the certificate has expired.
         """
         if not folder:
             return None
         found = cls(Path(folder))
-        for path in (found.authority, found.certificate, found.key):
-            try:
-                path.read_bytes()
-            except OSError as problem:
-                raise BusError(
-                    f"--secure {folder}: {path.name}: {problem.strerror}; make it with `tandem keys`"
-                ) from None
+        found.check_time(found.own())
         return found
 
     @classmethod
     def given(cls) -> Credentials | None:
         """Those that the environment names, for whoever has no option for them; errors as above."""
         return cls.of(os.environ.get("TANDEM_SECURE", ""))
+
+    def own(self) -> Certificate:
+        """What the certificate says.
+
+        Raises:
+            BusError: if a file is missing, or they do not belong together.
+        """
+        for path in self._files:
+            try:
+                path.read_bytes()
+            except OSError as problem:
+                raise BusError(
+                    f"--secure {self.folder}: {path.name}: {problem.strerror}; make it with `tandem keys`"
+                ) from None
+        try:
+            return read_certificate(*self._files)
+        except OSError as problem:
+            raise BusError(
+                f"--secure {self.folder}: its files cannot be used ({_words(problem)}); make them with `tandem keys`"
+            ) from None
+
+    def check_time(self, own: Certificate) -> None:
+        """Hold the certificate against the clock.
+
+        Raises:
+            BusError: it has expired.
+        """
+        if own.expired(time.time()):
+            raise BusError(
+                f"--secure {self.folder}: the certificate of {own.name} expired on {own.end}; make another one with "
+                "`tandem keys`"
+            )
+
+    def stamp(self) -> tuple[tuple[int, int, int], ...]:
+        """Another one whenever one of the files was written or replaced."""
+        found = []
+        for path in self._files:
+            try:
+                about = path.stat()
+            except OSError:
+                continue
+            found.append((about.st_ino, about.st_mtime_ns, about.st_size))
+        return tuple(found)
+
+    @property
+    def _files(self) -> tuple[Path, Path, Path]:
+        return self.authority, self.certificate, self.key
 
     @property
     def authority(self) -> Path:
@@ -71,13 +114,14 @@ class Credentials:
     def settings(self) -> dict[str, object]:
         """Settings of a Zenoh session: both sides of every link show a certificate, and no link outlives one."""
         prefix = "transport/link/tls"
+        authority, certificate, key = (str(path.absolute()) for path in self._files)
         return {
-            f"{prefix}/root_ca_certificate": str(self.authority),
+            f"{prefix}/root_ca_certificate": authority,
             f"{prefix}/enable_mtls": True,
-            f"{prefix}/listen_certificate": str(self.certificate),
-            f"{prefix}/listen_private_key": str(self.key),
-            f"{prefix}/connect_certificate": str(self.certificate),
-            f"{prefix}/connect_private_key": str(self.key),
+            f"{prefix}/listen_certificate": certificate,
+            f"{prefix}/listen_private_key": key,
+            f"{prefix}/connect_certificate": certificate,
+            f"{prefix}/connect_private_key": key,
             f"{prefix}/close_link_on_expiration": True,
         }
 
@@ -88,10 +132,11 @@ class Credentials:
             return f"{endpoint} is not encrypted, wanted tls/<address>:<port>"
         host, port = form["host"].strip("[]"), int(form["port"])
         try:
-            context = ssl.create_default_context(cafile=str(self.authority))
-            context.load_cert_chain(self.certificate, self.key)
-        except (OSError, ssl.SSLError) as problem:
-            return f"the certificate or key in {self.folder} cannot be used ({_words(problem)})"
+            self.check_time(self.own())
+        except BusError as problem:
+            return str(problem)
+        context = ssl.create_default_context(cafile=str(self.authority))
+        context.load_cert_chain(self.certificate, self.key)
         try:
             plain = socket.create_connection((host, port), _PROBE)
         except OSError:
@@ -105,9 +150,9 @@ class Credentials:
         except TimeoutError:
             return ""
         except ssl.SSLCertVerificationError as problem:
-            return f"the certificate of {endpoint} is refused here: {problem.verify_message}"
+            return f"the certificate of {endpoint} is refused here: {_meaning(problem)}"
         except ssl.SSLError as problem:
-            return f"{endpoint} refused the certificate in {self.folder}: {_words(problem)}"
+            return f"{endpoint} refused the certificate in {self.folder}: {_meaning(problem)}"
         except ConnectionError:
             pass
         return (
@@ -118,5 +163,24 @@ class Credentials:
 
 def _words(problem: Exception) -> str:
     """OpenSSL's reason, in words."""
-    reason = getattr(problem, "reason", None) or getattr(problem, "strerror", None) or str(problem)
-    return str(reason).lower().replace("_", " ")
+    said = (getattr(problem, name, None) for name in ("verify_message", "reason", "strerror"))
+    return str(next(filter(None, said), problem)).lower().replace("_", " ")
+
+
+_MEANINGS = {
+    "mismatch": "it does not name that address: `tandem keys --name` adds one",
+    "expired": "make another one with `tandem keys`, if the clocks of both machines are right",
+    "not yet valid": "are the clocks of both machines right?",
+    "signature": "it is of another authority",
+    "issuer": "it is of another authority",
+    "unknown ca": "it is of another authority",
+    "self-signed": "it is of another authority",
+    "decrypt error": "it is of another authority",
+}
+
+
+def _meaning(problem: Exception) -> str:
+    """OpenSSL's reason, and what it means to somebody with certificates of `tandem keys`."""
+    words = _words(problem)
+    meaning = next((meaning for part, meaning in _MEANINGS.items() if part in words), "")
+    return f"{words} ({meaning})" if meaning else words

@@ -25,6 +25,13 @@ def check_endpoint(option: str, endpoint: str) -> None:
         )
 
 
+def port_of(endpoint: str) -> int:
+    """The port of an endpoint that has been checked."""
+    form = _ENDPOINT.fullmatch(endpoint)
+    assert form is not None
+    return int(form["port"])
+
+
 def next_port(endpoint: str) -> str:
     """The same endpoint with the next port."""
     form = _ENDPOINT.fullmatch(endpoint)

@@ -8,6 +8,7 @@ import secrets
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, cast
 
 import zenoh
 
@@ -55,46 +56,71 @@ def _config(settings: dict[str, object], base: zenoh.Config | None = None) -> ze
     return config
 
 
-def open_router(
+def router_settings(
     listen: str,
-    config_file: Path | None = None,
     credentials: Credentials | None = None,
     robots: Sequence[str] = (),
     others: Sequence[str] = (),
-) -> zenoh.Session:
-    """A Zenoh router inside this process; close it with its ``close``.
+) -> dict[str, object]:
+    """Settings of a router.
 
     Args:
         listen: endpoint such as ``tcp/127.0.0.1:7447``.
-        config_file: Zenoh's own JSON5 configuration, which then decides everything, the endpoint included.
         credentials: its certificate; with one nobody can do anything but what the certificates of these robots allow.
         robots: first chunks of the keys of the robots that it serves.
         others: endpoints of routers on other machines, which it dials until they are there, and again when lost.
 
     Raises:
+        BusError: if the form of an endpoint is wrong.
+    """
+    check_endpoint("--listen", listen)
+    for other in others:
+        check_endpoint("--link", other)
+    settings = _settings("router", credentials) | _RETRY
+    settings |= {"listen/endpoints": [listen], "listen/exit_on_failure": True, "connect/endpoints": [*others]}
+    # What it would wait for half a second is switched off.
+    settings["scouting/delay"] = 0
+    return settings | ({"access_control": access(robots)} if credentials else {})
+
+
+def router_file(settings: dict[str, object]) -> str:
+    """The settings as a configuration file of Zenoh's, for its standard router."""
+    nested: dict[str, Any] = {}
+    for path, value in settings.items():
+        *above, last = path.split("/")
+        table = nested
+        for name in above:
+            table = table.setdefault(name, {})
+        table[last] = value
+    return json.dumps(nested, indent=2)
+
+
+def open_router(settings: dict[str, object] | Path) -> zenoh.Session:
+    """A Zenoh router inside this process; close it with its ``close``.
+
+    Args:
+        settings: ``router_settings``, or a file in Zenoh's own JSON5, which then decides everything.
+
+    Raises:
         BusError: if the file cannot be read or the endpoint cannot be listened on.
     """
     prepare()
-    if config_file is not None:
+    if isinstance(settings, Path):
         try:
-            config = zenoh.Config.from_file(str(config_file))
+            config = zenoh.Config.from_file(str(settings))
         except zenoh.ZError as problem:
-            raise BusError(f"--config {config_file}: not a Zenoh configuration ({_first_line(problem)})") from None
+            raise BusError(f"--config {settings}: not a Zenoh configuration ({_first_line(problem)})") from None
     else:
-        check_endpoint("--listen", listen)
-        for other in others:
-            check_endpoint("--link", other)
-        settings = _settings("router", credentials) | _RETRY
-        settings |= {"listen/endpoints": [listen], "listen/exit_on_failure": True, "connect/endpoints": [*others]}
-        config = _config(settings | ({"access_control": access(robots)} if credentials else {}))
+        config = _config(settings)
     try:
         return zenoh.open(config)
     except zenoh.ZError as problem:
-        if config_file is not None:
+        if isinstance(settings, Path):
             raise BusError(
-                f"--config {config_file}: cannot listen as it says ({_reason(problem)}). Is another router running "
+                f"--config {settings}: cannot listen as it says ({_reason(problem)}). Is another router running "
                 "there? Choose another port in its listen/endpoints"
             ) from None
+        (listen,) = cast(list[str], settings["listen/endpoints"])
         other = next_port(listen)
         raise BusError(
             f"cannot listen on {listen} ({_reason(problem)}). Is another router running there? Choose another "

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from shared.messages import ControlStatus, Health, RobotStatus, TaskStatus
-from shared.processes import FURTHER, PROCESSES, ROBOTS, STACK
+from shared.processes import FURTHER, PROCESSES, ROBOTS, ROUTER, STACK
 
 HEALTH_LATE = 1.0  # [s]: health comes every 0.5 s; a service that misses two is lost
 
@@ -52,7 +52,8 @@ def _row(name: str, token: bool, heard: Heard | None, expected: bool) -> Row:
     if heard is not None and heard.age <= HEALTH_LATE and (token or not expected):
         health = heard.health
         if health.state == "ok":
-            return Row(name, "ok", health.detail, True, health)
+            # The router has no loop to show.
+            return Row(name, "ok", health.detail, True, None if name == ROUTER.name else health)
         return Row(name, health.state, health.detail, health.state == "starting", health)
     remedy = f"start it again {start_with(name)}"
     if token and heard is not None:

@@ -1,0 +1,226 @@
+"""Certificates of a closed network while it runs: renewed, ended, broken, revoked; and what is said of it."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+import ssl
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from shared.clock import SteadyClock
+from shared.processes import ROUTER
+from shared.topics import WRENCH_EXTERNAL, health_topic
+from shared.wire.credentials import Credentials
+from shared.wire.endpoint import BusError
+from shared.wire.subscription import Subscription
+from shared.wire.zenoh import ZenohBus
+from tests.conftest import StartProcess
+from tests.support.closed import enter, make
+from tests.support.ports import free_port
+from tests.support.processes import Process
+from tests.support.wait import eventually, throughout
+
+pytestmark = pytest.mark.processes
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return make(tmp_path_factory.mktemp("made") / "keys")
+
+
+@pytest.fixture
+def keys(made: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(made, tmp_path / "keys"))
+
+
+class Routed:
+    """A router process of a closed network."""
+
+    def __init__(self, start: StartProcess, keys: Path) -> None:
+        self.port = free_port()
+        self.endpoint = f"tls/127.0.0.1:{self.port}"
+        self.process: Process = start("services.router", "--listen", self.endpoint, "--secure", str(keys / "router"))
+        self.process.wait_for_output("listening")
+
+    def shown(self) -> bytes:
+        """The certificate that it shows to whoever connects; empty if nobody listens."""
+        context = ssl._create_unverified_context()
+        try:
+            with (
+                socket.create_connection(("127.0.0.1", self.port), 5.0) as plain,
+                context.wrap_socket(plain) as secured,
+            ):
+                return secured.getpeercert(binary_form=True) or b""
+        except ConnectionError:
+            return b""
+
+
+@pytest.fixture
+def router(start: StartProcess, keys: Path) -> Routed:
+    return Routed(start, keys)
+
+
+def in_file(folder: Path) -> bytes:
+    return ssl.PEM_cert_to_DER_cert((folder / "certificate.pem").read_text())
+
+
+def told(bus: ZenohBus) -> Callable[[], str]:
+    """What the router says of itself."""
+    health = Subscription(health_topic(ROUTER.name), SteadyClock())
+    bus.subscribe(health.topic.key, health.offer)
+    return lambda: health.latest.message.detail if health.latest else "nothing yet"
+
+
+def flows(source: ZenohBus, sink: ZenohBus) -> Callable[[], bool]:
+    """Whether something said now is heard, asked again and again."""
+    heard: list[bytes] = []
+    sink.subscribe(WRENCH_EXTERNAL.key, heard.append)
+
+    def flows() -> bool:
+        heard.clear()
+        source.publish(WRENCH_EXTERNAL.key, b"wrench")
+        return bool(heard)
+
+    return flows
+
+
+def test_a_router_listens_anew_with_a_renewed_certificate_and_everybody_comes_back(keys: Path, router: Routed) -> None:
+    with (
+        closing(enter(router.endpoint, keys / "wrench")) as wrench,
+        closing(enter(router.endpoint, keys / "viewer")) as viewer,
+    ):
+        heard = flows(wrench, viewer)
+        eventually(heard, 20.0, "what is said is heard")
+        before = in_file(keys / "router")
+        assert router.shown() == before
+        renew(keys, "router")
+        router.process.wait_for_output("renewed")
+        eventually(lambda: router.shown() == in_file(keys / "router") != before, 20.0, "the new certificate is shown")
+        eventually(heard, 20.0, "what is said is heard again")
+    router.process.ends_in_time()
+    assert router.process.output.count("renewed") == 1
+
+
+def renew(keys: Path, *names: str, seconds: float = 0.0) -> None:
+    for name in names:
+        make(keys, "--renew", "--only", name, seconds=seconds)
+
+
+def test_a_link_ends_with_its_certificate_and_is_back_with_another_one(keys: Path, router: Routed) -> None:
+    renew(keys, "viewer", seconds=6.0)
+    with closing(enter(router.endpoint, keys / "viewer")) as viewer:
+        assert viewer.connected()
+        eventually(lambda: not viewer.connected(), 30.0, "the link ends")
+        throughout(lambda: not viewer.connected(), 1.0, "an ended certificate is refused")
+        with pytest.raises(
+            BusError, match=r"the certificate of tiago.viewer expired on 20\d\d-.*UTC; make another one"
+        ):
+            enter(router.endpoint, keys / "viewer")
+        renew(keys, "viewer")
+        eventually(viewer.connected, 30.0, "the link is back")
+
+
+def test_a_router_says_when_its_certificate_ends_and_lives_on_with_another_one(start: StartProcess, keys: Path) -> None:
+    renew(keys, "router", seconds=12.0)
+    router = Routed(start, keys)
+    router.process.wait_for_output("the certificate of router ends on")
+    with closing(enter(router.endpoint, keys / "operator")) as operator:
+        said = told(operator)
+        eventually(lambda: "the certificate of router ends on" in said(), 10.0, said)
+        router.process.wait_for_output("the certificate of router expired on", 30.0)
+        eventually(lambda: not operator.connected(), 10.0, "who judges it leaves it")
+        second = start("services.router", "--secure", str(keys / "router"))
+        second.refuses("the certificate of router expired on", "make another one with `tandem keys`")
+        renew(keys, "router")
+        eventually(operator.connected, 30.0, "the operator is back")
+        eventually(lambda: "the certificate" not in said(), 10.0, said)
+
+
+def test_files_that_do_not_belong_together_are_not_taken_over(keys: Path, router: Routed) -> None:
+    before = router.shown()
+    shutil.copy(keys / "viewer" / "key.pem", keys / "router" / "key.pem")
+    router.process.wait_for_output("its files cannot be used (key values mismatch)")
+    assert router.shown() == before
+    shutil.copy(keys / "viewer" / "certificate.pem", keys / "router" / "certificate.pem")
+    (keys / "router" / "key.pem").unlink()
+    router.process.wait_for_output("key.pem: No such file")
+    assert router.shown() == before
+    renew(keys, "router")
+    router.process.wait_for_output("renewed")
+
+
+def test_a_new_authority_revokes_all_that_the_old_one_has_signed(keys: Path, router: Routed, tmp_path: Path) -> None:
+    stolen = shutil.copytree(keys / "operator", tmp_path / "stolen")
+    with closing(enter(router.endpoint, stolen)) as thief:
+        assert thief.connected()
+        make(keys, "--revoke")
+        router.process.wait_for_output("renewed")
+        with closing(enter(router.endpoint, keys / "operator")) as operator:
+            assert operator.connected()
+            eventually(lambda: not thief.connected(), 10.0, "the thief is out")
+            throughout(lambda: not thief.connected(), 1.0, "the thief stays out")
+            with pytest.raises(BusError, match="another authority"):
+                enter(router.endpoint, stolen)
+            said = told(operator)
+            eventually(lambda: "refused connections" in said() and "seen from 127.0.0.1" in said(), 10.0, said)
+
+
+@pytest.fixture
+def strangers(keys: Path, tmp_path: Path) -> list[tuple[str, ssl.SSLContext]]:
+    foreign = make(tmp_path / "foreign", "--only", "operator") / "operator"
+    expired = tmp_path / "expired"
+    shutil.copytree(keys / "authority", expired / "authority")
+    make(expired, "--only", "operator", "--days", "0")
+    found = []
+    for why, folder in (("no certificate", None), ("of another authority", foreign), ("expired", expired / "operator")):
+        context = ssl._create_unverified_context()
+        if folder:
+            context.load_cert_chain(folder / "certificate.pem", folder / "key.pem")
+        found.append((why, context))
+    return found
+
+
+def test_strangers_are_counted_by_reason_and_address(
+    keys: Path, router: Routed, strangers: list[tuple[str, ssl.SSLContext]]
+) -> None:
+    with closing(enter(router.endpoint, keys / "operator")) as operator:
+        said = told(operator)
+        for times in range(2):
+            for why, context in strangers:
+                with (
+                    socket.create_connection(("127.0.0.1", router.port), 5.0) as plain,
+                    context.wrap_socket(plain) as secured,
+                    pytest.raises(ssl.SSLError),
+                ):
+                    secured.recv(1)
+                eventually(lambda why=why, times=times: f"{why} {times + 1}" in said(), 10.0, said)
+        assert said().startswith("refused connections: 6 (")
+        assert said().endswith("seen from 127.0.0.1")
+    for why, _ in strangers:
+        router.process.wait_for_output(f"router: refused a connection from 127.0.0.1: {why}")
+
+
+def test_whoever_was_let_in_and_left_is_not_taken_for_a_stranger(keys: Path, router: Routed) -> None:
+    """From 127.0.0.2 comes the stranger, from 127.0.0.1 who is let in."""
+    for _ in range(3):
+        enter(router.endpoint, keys / "operator").close()
+    with closing(enter(router.endpoint, keys / "operator")) as operator:
+        said = told(operator)
+        source = ("127.0.0.2", 0)
+        with socket.create_connection(("127.0.0.1", router.port), 5.0, source_address=source) as plain:
+            plain.sendall(b"GET / HTTP/1.0\r\n\r\n")
+            plain.recv(100)
+        eventually(lambda: said() == "refused connections: 1 (no TLS 1), seen from 127.0.0.2", 10.0, said)
+
+
+def test_credentials_say_what_is_wrong_with_them(keys: Path, tmp_path: Path) -> None:
+    (keys / "viewer" / "key.pem").unlink()
+    with pytest.raises(BusError, match=r"key.pem: No such file or directory; make it with `tandem keys`"):
+        Credentials.of(str(keys / "viewer"))
+    shutil.copy(make(tmp_path / "other", "--only", "sim") / "sim" / "authority.pem", keys / "sim" / "authority.pem")
+    with pytest.raises(BusError, match=r"cannot be used .*signature"):
+        Credentials.of(str(keys / "sim"))
