@@ -32,9 +32,11 @@ _CHAIN = """
 import json
 from benchmarks.latency import segments
 
+# As `tandem up` starts it: with direct links, where there are any.
+measure = getattr(segments, "linked", segments.chain)
 found = {}
 for rate in (100.0, 500.0):
-    chain = segments.chain(rate, 6.0)
+    chain = measure(rate, 6.0)
     found |= {f"p50 at {rate:.0f} Hz [us]": chain.quantile(0.5), f"p99 at {rate:.0f} Hz [us]": chain.quantile(0.99)}
 print(json.dumps(found))
 """

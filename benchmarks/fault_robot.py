@@ -10,7 +10,7 @@ from shared.clock import SteadyClock
 from shared.processes import LINKED
 from shared.service import Inputs, Output
 from shared.topics import ROBOT
-from shared.wire.links import links_of
+from shared.wire.links import NONE, links_of
 from tests.support.spoilt_bus import SpoiltBus, live
 
 RATE, STEPS = 100.0, 5
@@ -28,7 +28,7 @@ class FaultRobot(MockRobot):
         longest_gap: longest time [s] between two looks of its gate, since set to zero; nominally 2 ms.
     """
 
-    def __init__(self, endpoint: str, links: str = "") -> None:
+    def __init__(self, endpoint: str, links: str = NONE) -> None:
         super().__init__(MockParameters(rate=RATE, pose_rate=RATE, steps=STEPS, still=True, max_linear=0.3))
         self.bus = SpoiltBus(endpoint, links=links_of(ROBOT, LINKED, links, "tiago", endpoint))
         self.stopped_ns = self.moving_ns = 0
@@ -55,6 +55,10 @@ class FaultRobot(MockRobot):
     def moves_for(self, duration: float) -> bool:
         """Whether it has been moving without a break for so long [s]."""
         return self.moving and self._clock.now_ns() - self.moving_ns > duration * 1e9
+
+    def stands_for(self, duration: float) -> bool:
+        """Whether it has been standing without a break for so long [s]."""
+        return not self.moving and self._clock.now_ns() - self.stopped_ns > duration * 1e9
 
     def close(self) -> None:
         """End the robot."""

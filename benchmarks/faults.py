@@ -21,6 +21,7 @@ from benchmarks.table import Row, at_most
 from shared.messages import Stop
 from shared.topics import CONTROL_TARGET, ROBOT, SENSOR_FT, STOP
 from shared.wire.client import Client
+from shared.wire.links import NONE
 from tests.faults.programs import (
     AHEAD,
     altered,
@@ -41,8 +42,8 @@ COMMAND = "python -m benchmarks.faults"
 LONGEST_WAIT = 120.0
 LATEST_GATE = 0.01
 """Longest time [s] between two looks of the robot's gate with which an injection still counts: five of its periods."""
-
-
+STANDS = 0.3
+"""Time [s] for which the robot has to stand to have braked."""
 CHAIN = (ROBOT, "wrench", "controller")
 
 
@@ -58,7 +59,7 @@ class Stack:
         self.endpoint = free_endpoint()
         self.router = self.start("router")
         self.wrench, self.controller = self.start("wrench"), self.start("controller")
-        self.robot = FaultRobot(self.endpoint, crossings.patterns[ROBOT] if crossings else "")
+        self.robot = FaultRobot(self.endpoint, crossings.patterns[ROBOT] if crossings else NONE)
         processes.callback(self.robot.close)
         self.client = Client(self.robot.bus)
         wait(lambda: tared(self.client))
@@ -123,14 +124,12 @@ class Fault:
         robot = stack.robot
         robot.longest_gap = 0.0
         onset = self.inject(stack)
-        wait(lambda: robot.stopped_ns > onset)
-        braked, gap = (robot.stopped_ns - onset) * 1e-9, robot.longest_gap
-        # Whatever moves on after all is found here: the robot has to stay where it is.
-        time.sleep(0.15)
-        if gap > LATEST_GATE:
+        # Not the first stop but the last: whoever moves on after all has not braked.
+        wait(lambda: robot.stopped_ns > onset and robot.stands_for(STANDS))
+        if robot.longest_gap > LATEST_GATE:
             self.discarded += 1
         else:
-            self.braked.append(math.inf if robot.moving else braked)
+            self.braked.append((robot.stopped_ns - onset) * 1e-9)
         mended = time.monotonic_ns()
         self.mend(stack)
         stack.work()
@@ -196,7 +195,7 @@ def _faults() -> list[Fault]:
         Fault("wrench killed", 0.06, _signal("wrench", signal.SIGKILL), _restart("wrench")),
         Fault("wrench hung", 0.06, _signal("wrench", signal.SIGSTOP), _wake("wrench")),
         Fault("router killed", 0.06, _signal("router", signal.SIGKILL), _restart("router")),
-        Fault("router hung", 0.3, _signal("router", signal.SIGSTOP), _wake("router")),
+        Fault("router hung", 0.06, _signal("router", signal.SIGSTOP), _wake("router")),
     ]
 
 
@@ -210,17 +209,25 @@ def _cut(source: str, sink: str, passes: bool) -> Callable[[Stack], int]:
     return cut
 
 
-def _cuts() -> list[Fault]:
-    ways = ((ROBOT, "wrench"), ("wrench", "controller"), ("controller", ROBOT))
+def _linked() -> list[Fault]:
+    """What happens to processes with direct links."""
+    neighbours = ((ROBOT, "wrench"), ("wrench", "controller"), ("controller", ROBOT))
     return [
-        Fault(f"link from {source} to {sink} cut", 0.06, _cut(source, sink, False), _cut(source, sink, True))
-        for source, sink in ways
+        *(
+            Fault(f"link from {source} to {sink} cut", 0.06, _cut(source, sink, False), _cut(source, sink, True))
+            for source, sink in neighbours
+        ),
+        Fault("linked, controller killed", 0.06, _signal("controller", signal.SIGKILL), _restart("controller")),
+        Fault("linked, controller hung", 0.06, _signal("controller", signal.SIGSTOP), _wake("controller")),
+        Fault("linked, wrench hung", 0.06, _signal("wrench", signal.SIGSTOP), _wake("wrench")),
+        Fault("linked, router killed", 0.06, _signal("router", signal.SIGKILL), _restart("router")),
+        Fault("linked, router hung", 0.3, _signal("router", signal.SIGSTOP), _wake("router")),
     ]
 
 
 def measured(repeats: int) -> Iterator[Fault]:
     """Every fault, injected so many times; each as soon as it is measured."""
-    for faults, crossings in ((_faults(), None), (_cuts(), Crossings(CHAIN))):
+    for faults, crossings in ((_faults(), None), (_linked(), Crossings(CHAIN))):
         with tempfile.TemporaryDirectory() as folder, Processes(Path(folder)) as processes:
             stack = Stack(processes, folder, crossings)
             for fault in faults:

@@ -1,4 +1,4 @@
-"""Source and sink: ``python -m benchmarks.latency.chain_probe <robot> <endpoint> <rate> <seconds> [<links>]``.
+"""Source and sink: ``python -m benchmarks.latency.chain_probe <robot> <endpoint> <rate> <seconds> <links>``.
 
 The mock robot with the real gate: its ``sensor/ft`` puts and the arrivals of ``command/ee_twist`` are timed on its bus.
 """
@@ -60,7 +60,7 @@ class TimedBus(ZenohBus):
 def main() -> None:
     """Print the latencies [us] and the overruns in between as JSON."""
     rate, duration = float(sys.argv[3]), float(sys.argv[4])
-    bus, ended = TimedBus(sys.argv[1], sys.argv[2], "".join(sys.argv[5:])), threading.Event()
+    bus, ended = TimedBus(sys.argv[1], sys.argv[2], sys.argv[5]), threading.Event()
     eventually(lambda: bus.living() >= set(SERVICES), PATIENCE, "wrench and controller run")
     client, robot = Client(bus), MockRobot(MockParameters(rate=rate))
     health = {name: client.watch(health_topic(name)) for name in SERVICES}

@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 from typing import Self
 
 from benchmarks.latency.relay import ROBOT, TWIST_BYTES, WRENCH_BYTES
-from shared.wire.links import SOCKETS
+from shared.wire.links import NONE, SOCKETS
 from tests.support.ports import free_endpoint, free_port
 from tests.support.processes import Process, Processes
 
@@ -70,12 +70,12 @@ def _started() -> Iterator[tuple[Processes, str]]:
         yield processes, endpoint
 
 
-def chain(rate: float, seconds: float, links: str = "") -> Segment:
+def chain(rate: float, seconds: float, links: str = NONE) -> Segment:
     """The real services through a real router, or over direct links beside it."""
     return chains(rate, seconds, 1, links)[0]
 
 
-def chains(rate: float, seconds: float, count: int, links: str = "") -> list[Segment]:
+def chains(rate: float, seconds: float, count: int, links: str = NONE) -> list[Segment]:
     """As many robots with services of their own at one router, all at the same time."""
     with _started() as (processes, endpoint):
         probes = []

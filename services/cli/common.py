@@ -35,6 +35,15 @@ Connect = Annotated[
 Router = Annotated[
     str, typer.Option("--router", envvar="TANDEM_CONNECT", help="Endpoint that the stack's own router listens on.")
 ]
+Links = Annotated[
+    str | None,
+    typer.Option(
+        "--links",
+        envvar="TANDEM_LINKS",
+        help="Direct links between the processes: sockets, none, or an endpoint with {name}; if left out, sockets "
+        "where the router listens on loopback.",
+    ),
+]
 DEFAULT_ROBOT = "tiago"
 CONNECT_WITHIN = 2.0  # [s]
 TAKE_OVER = {"task": "To take over: tandem task abort, release if it holds something, then reset"}

@@ -16,7 +16,7 @@ from rich.table import Table
 from rich.text import Text
 
 from services.cli.background import Background, NoResult
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Robot, Router, refuse, stop_event, table
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Links, Robot, Router, refuse, stop_event, table
 from services.cli.progress import Progress
 from services.cli.stack.children import Children
 from services.cli.stack.lane import Lane
@@ -60,9 +60,10 @@ def load(
     film: Film = True,
     robot: Robot = DEFAULT_ROBOT,
     router: Router = DEFAULT_ENDPOINT,
+    links: Links = None,
 ) -> None:
     """The paper's load experiment under every law; exit status 1 when a claim fails."""
-    _run("load", _names(runs), out, parallel, film, robot, router)
+    _run("load", _names(runs), out, parallel, film, robot, router, links)
 
 
 @app.command()
@@ -76,6 +77,7 @@ def carry(
     film: Film = True,
     robot: Robot = DEFAULT_ROBOT,
     router: Router = DEFAULT_ENDPOINT,
+    links: Links = None,
 ) -> None:
     """Robot and person find, lift, carry, turn and set down a panel; exit status 1 when a claim fails."""
     if no_base and base:
@@ -85,14 +87,23 @@ def carry(
     names = _names(runs)
     if law or base or no_base:
         names = [f"{law or 'certified'}-{'none' if no_base else base or 'omni'}"]
-    _run("carry", names, out, parallel, film, robot, router)
+    _run("carry", names, out, parallel, film, robot, router, links)
 
 
 def _names(runs: str) -> list[str]:
     return [name.strip() for name in runs.split(",") if name.strip()]
 
 
-def _run(name: str, names: list[str], out: Path | None, parallel: int, film: bool, robot: str, router: str) -> None:
+def _run(
+    name: str,
+    names: list[str],
+    out: Path | None,
+    parallel: int,
+    film: bool,
+    robot: str,
+    router: str,
+    links: str | None,
+) -> None:
     """Plays the runs of these names, all that are usual if there are none, and writes their report."""
     experiment = EXPERIMENTS[name]
     try:
@@ -112,7 +123,7 @@ def _run(name: str, names: list[str], out: Path | None, parallel: int, film: boo
 
         def lane(number: int, run: Run) -> Lane:
             config = write_config(run.settings, folder / run.name / "config.toml")
-            plan = Plan(f"{robot}-{number + 1}" if number else robot, router, config, further=run.further)
+            plan = Plan(f"{robot}-{number + 1}" if number else robot, router, config, further=run.further, links=links)
             return Lane(name, run, plan, folder / run.name, children)
 
         start_router(children, router, folder)

@@ -15,7 +15,17 @@ import typer
 from rich.console import Console
 from rich.live import Live
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, Router, open_bus, refuse, stop_event
+from services.cli.common import (
+    DEFAULT_ENDPOINT,
+    DEFAULT_ROBOT,
+    Connect,
+    Links,
+    Robot,
+    Router,
+    open_bus,
+    refuse,
+    stop_event,
+)
 from services.cli.health import diagnose
 from services.cli.health.diagnose import Row
 from services.cli.health.view import stack_view
@@ -58,6 +68,7 @@ def up(
     config: Config = None,
     settings: Set = [],  # noqa: B006 - typer copies it
     further: With = [],  # noqa: B006
+    links: Links = None,
     carry: Annotated[
         bool, typer.Option("--carry", help="With panel, camera and person, base and task, set up for a carry.")
     ] = False,
@@ -73,7 +84,7 @@ def up(
         if carry:
             run = carry_protocol.run("certified", "omni")
             config, more = write_config(run.settings, Path(folder) / "carry.toml"), run.further
-        plan = Plan(robot, router, config, parsed, more)
+        plan = Plan(robot, router, config, parsed, more, links)
         stack = StackProcesses(plan, children)
         try:
             wait_for_router(stack.processes[ROUTER])
@@ -99,7 +110,7 @@ def start(
         refuse(f"{service!r} is no service of the stack; choose from {', '.join(STARTS)}")
     known = remembered(robot, connect) or Plan(robot, connect)
     given = {service: [*known.settings.get(service, []), *settings]}
-    plan = Plan(robot, connect, check_config(config) or known.config, given)
+    plan = replace(known, config=check_config(config) or known.config, settings=given)
     command = ["-m", process_named(service).module, *plan.arguments(service)]
     typer.echo(f"starting: python {' '.join(command)}", err=True)
     sys.stdout.flush()

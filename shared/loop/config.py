@@ -16,6 +16,7 @@ from typing import Any, Generic, NoReturn, TypeVar
 from shared.parameters import Parameters, Refused
 from shared.processes import SERVICES
 from shared.wire.endpoint import DEFAULT_ENDPOINT
+from shared.wire.links import NONE
 
 P = TypeVar("P", bound=Parameters)
 
@@ -54,10 +55,10 @@ def service_parser(service: str) -> OneLineParser:
     )
     parser.add_argument(
         "--links",
-        default=os.environ.get("TANDEM_LINKS", ""),
+        default=os.environ.get("TANDEM_LINKS", NONE),
         metavar="ENDPOINT",
         help="direct links to the other processes of the chain, which need them too: sockets, on one machine, or an "
-        "endpoint with {name}, such as tcp/{name}:7448 (default: all goes through the router)",
+        "endpoint with {name}, such as tcp/{name}:7448 (default none: all goes through the router)",
     )
     parser.add_argument(
         "--secure",

@@ -16,9 +16,11 @@ from pathlib import Path
 
 SOCKETS = "sockets"
 """In place of a pattern: sockets in a folder of the user's, for processes on one machine."""
+NONE = "none"
+"""In place of a pattern: no links."""
 _NAME = "{name}"
 _FOLDER = Path("/tmp")  # whatever TMPDIR says: processes that differ in it would not find each other
-_LOOPBACK = ("127.", "localhost:", "[::1]:")
+_LOOPBACK = ("tcp/127.", "tcp/localhost:", "tcp/[::1]:")
 
 
 class NoLinks(ValueError):
@@ -55,31 +57,42 @@ class Links:
         return tuple(self.pattern.replace(_NAME, name) for name in self.names[: self.names.index(self.own)])
 
 
+def usual_links(router: str) -> str:
+    """The links that a stack has unless it is told otherwise: sockets, if nobody elsewhere can reach its router."""
+    return SOCKETS if router.startswith(_LOOPBACK) else NONE
+
+
 def links_of(own: str, names: Sequence[str], pattern: str, robot: str, router: str) -> Links | None:
     """Direct links of a process; None if all that it says goes through the router.
 
     Args:
         own: name of the process in the chain.
         names: of all processes of the chain.
-        pattern: endpoint with ``{name}``, or ``sockets``; empty for none.
+        pattern: endpoint with ``{name}``, ``sockets`` or ``none``.
         robot: first chunk of every key.
         router: endpoint of the router.
 
     Raises:
-        NoLinks: the pattern names no process, the router is elsewhere, or the folder belongs to somebody else.
+        NoLinks: the pattern names no process, the router is elsewhere or its network closed, or the folder belongs to
+            somebody else.
     """
-    if own not in names or not pattern:
+    if own not in names or pattern == NONE:
         return None
     if pattern != SOCKETS:
         if _NAME not in pattern:
-            raise NoLinks(f"--links {pattern}: wanted an endpoint with {_NAME}, such as tcp/{_NAME}:7448, or {SOCKETS}")
+            raise NoLinks(
+                f"--links {pattern}: wanted an endpoint with {_NAME}, such as tcp/{_NAME}:7448, or {SOCKETS} or {NONE}"
+            )
         return Links(own, tuple(names), pattern)
-    address = router.split("/", 1)[1]
-    if not address.startswith(_LOOPBACK):
-        raise NoLinks(f"--links {SOCKETS}: they are for one machine, and the router is elsewhere ({router})")
+    if not router.startswith(_LOOPBACK):
+        raise NoLinks(
+            f"--links {SOCKETS}: they are for one machine without certificates, and the router is at {router}. "
+            f"Choose an endpoint with {_NAME}, such as {router.partition('/')[0]}/{_NAME}:7448, or {NONE}"
+        )
+    address = router.partition("/")[2]
     # A socket's path has to be short, and its folder the same however the router's address was written.
     port = address.partition("?")[0].partition("#")[0].rpartition(":")[2]
-    host = "" if address.startswith(_LOOPBACK[1:]) else address.partition(":")[0].removeprefix("127.0.0.1")
+    host = "" if router.startswith(_LOOPBACK[1:]) else address.partition(":")[0].removeprefix("127.0.0.1")
     place = hashlib.blake2s(f"{robot} {host}:{port}".encode(), digest_size=6).hexdigest()
     return Links(own, tuple(names), f"unixsock-stream/{_own_folder(place)}/{_NAME}.sock")
 

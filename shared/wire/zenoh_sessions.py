@@ -174,7 +174,9 @@ def open_peer(place: Place, links: Links, give_up: Callable[[], bool]) -> zenoh.
     settings = _settings("peer", place.credentials) | _ROUTER_FIRST
     settings |= {
         "listen/endpoints": [links.listen],
+        # Whoever hung keeps its socket after another has taken its place: that one listens as soon as it is let go.
         "listen/exit_on_failure": False,
+        "listen/timeout_ms": -1,
         "connect/endpoints": [f"{place.connect}#exit_on_failure=true", *dial],
     }
     if place.credentials:

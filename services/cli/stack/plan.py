@@ -16,6 +16,7 @@ from services.cli.common import refuse
 from shared.loop.config import config_text, service_assignment
 from shared.processes import FURTHER, STACK, process_named
 from shared.wire.endpoint import DEFAULT_ENDPOINT, BusError
+from shared.wire.links import usual_links
 from shared.wire.zenoh import ZenohBus
 
 STARTABLE = (*STACK, *FURTHER)
@@ -31,6 +32,7 @@ class Plan:
     config: Path | None = None
     settings: dict[str, list[str]] = field(default_factory=dict)
     further: tuple[str, ...] = ()
+    links: str | None = None
 
     @property
     def services(self) -> tuple[str, ...]:
@@ -41,6 +43,8 @@ class Plan:
         """Command line of the router or one service; KeyError if there is none of that name."""
         process = process_named(name)
         arguments = process.arguments(self.robot, self.endpoint)
+        if process.linked:
+            arguments += ["--links", self.links or usual_links(self.endpoint)]
         if self.config and process.settable:
             arguments += ["--config", str(self.config.resolve())]
         return arguments + [part for setting in self.settings.get(name, []) for part in ("--set", setting)]
@@ -53,6 +57,7 @@ class Plan:
             "config": str(self.config.resolve()) if self.config else None,
             "settings": self.settings,
             "further": self.further,
+            "links": self.links,
         }
         path.write_text(json.dumps(stored), encoding="utf-8")
 
@@ -68,7 +73,7 @@ def remembered(robot: str, endpoint: str) -> Plan | None:
     except (FileNotFoundError, json.JSONDecodeError):
         return None
     config = Path(stored["config"]) if stored["config"] else None
-    return Plan(robot, endpoint, config, stored["settings"], tuple(stored.get("further", ())))
+    return Plan(robot, endpoint, config, stored["settings"], tuple(stored.get("further", ())), stored.get("links"))
 
 
 def parse_settings(settings: Sequence[str]) -> dict[str, list[str]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from shared.processes import LINKED, PROCESSES
-from shared.wire.links import SOCKETS, NoLinks, links_of
+from shared.wire.links import NONE, SOCKETS, NoLinks, links_of, usual_links
 
 ROUTER = "tcp/127.0.0.1:7447"
 
@@ -48,12 +48,14 @@ def test_a_pattern_names_each_process() -> None:
 
 def test_nobody_else_is_linked_nor_anybody_unasked() -> None:
     assert links_of("experiment", LINKED, SOCKETS, "tiago", ROUTER) is None
-    assert links_of("wrench", LINKED, "", "tiago", ROUTER) is None
+    assert links_of("wrench", LINKED, NONE, "tiago", ROUTER) is None
 
 
-def test_sockets_are_for_one_machine() -> None:
-    with pytest.raises(NoLinks, match="the router is elsewhere"):
-        links_of("wrench", LINKED, SOCKETS, "tiago", "tcp/192.168.0.2:7447")
+@pytest.mark.parametrize("router", ["tcp/192.168.0.2:7447", "tls/127.0.0.1:7447"])
+def test_sockets_are_for_one_machine_without_certificates(router: str) -> None:
+    assert usual_links(router) == NONE
+    with pytest.raises(NoLinks, match=f"--links sockets: .* the router is at {router}"):
+        links_of("wrench", LINKED, SOCKETS, "tiago", router)
 
 
 def test_a_pattern_without_a_name_is_refused() -> None:

@@ -19,15 +19,34 @@ def test_further_services_are_part_of_a_stack_only_if_asked_for() -> None:
 
 def test_every_service_can_be_started_whether_or_not_it_is_part_of_the_stack() -> None:
     plan = Plan("tiago", ENDPOINT, settings=parse_settings(["base.mass=20", "wrench.lowpass_hz=5"]))
-    expected = ["--robot", "tiago", "--connect", ENDPOINT, "--set", "mass=20"]
+    expected = ["--robot", "tiago", "--connect", ENDPOINT, "--links", "sockets", "--set", "mass=20"]
     assert plan.arguments("base") == expected
     with pytest.raises(KeyError):
         plan.arguments("viewer")
 
 
+@pytest.mark.parametrize(
+    ("endpoint", "chosen", "links"),
+    [
+        (ENDPOINT, None, "sockets"),
+        ("tcp/0.0.0.0:7001", None, "none"),
+        (ENDPOINT, "none", "none"),
+        (ENDPOINT, "tcp/{name}:1", "tcp/{name}:1"),
+    ],
+)
+def test_a_stack_on_one_machine_has_direct_links_unless_told_otherwise(
+    endpoint: str, chosen: str | None, links: str
+) -> None:
+    plan = Plan("tiago", endpoint, links=chosen)
+    for name in ("sim", "wrench", "controller", "base", "task"):
+        arguments = plan.arguments(name)
+        assert arguments[arguments.index("--links") + 1] == links
+    assert "--links" not in plan.arguments("router")
+
+
 def test_a_plan_is_remembered_until_it_is_forgotten(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    plan = Plan("tiago", ENDPOINT, tmp_path / "c.toml", {"base": ["mass=20"]}, ("base",))
+    plan = Plan("tiago", ENDPOINT, tmp_path / "c.toml", {"base": ["mass=20"]}, ("base",), "none")
     plan.remember()
     assert remembered("tiago", ENDPOINT) == plan
     assert remembered("other", ENDPOINT) is None
