@@ -10,6 +10,7 @@ from pathlib import Path
 
 from services.router.closed import Closed
 from shared.loop.config import Misconfigured, OneLineParser, complain
+from shared.loop.healthy import tell
 from shared.loop.process import StopRequest
 from shared.wire.credentials import Credentials
 from shared.wire.endpoint import DEFAULT_ENDPOINT, BusError
@@ -47,6 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if closed:
             closed.opened(session)
         while not stop.requested:
+            tell("ok")
             stop.wake.wait(LOOK_EVERY)
             if closed and closed.look(session):
                 _report(f"its certificate was renewed: listening anew {where}")

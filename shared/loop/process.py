@@ -13,6 +13,7 @@ from typing import TypeVar
 from shared.clock import SteadyClock, seconds
 from shared.loop.config import Misconfigured, complain, settings
 from shared.loop.door import SECOND, Door, Occupied
+from shared.loop.healthy import tell
 from shared.loop.runner import Runner
 from shared.parameters import Parameters, Refused
 from shared.processes import LINKED, process_named
@@ -75,7 +76,8 @@ def run(make: Callable[[P], Service], parameters: type[P], name: str, arguments:
         if not stop.requested:
             loop = Loop(stop, door.gives_way)
             remark = Renewal(credentials).look if credentials else lambda: ""
-            loop.run(Runner(service, bus, SteadyClock(), stop.wake.set, loop.on_driver, _report, publisher, remark))
+            how = (stop.wake.set, loop.on_driver, _report, publisher, remark, tell)
+            loop.run(Runner(service, bus, SteadyClock(), *how))
     except Occupied as problem:
         _report(f"{name}: {problem}")
         return SECOND

@@ -42,6 +42,7 @@ class Runner:
         report: told each change of the service's state, one line.
         publisher: what it publishes with; one of its own if not given.
         remark: what else is to be known of the process; asked whenever health is told.
+        say: told the state and its reason as often as health.
     """
 
     def __init__(
@@ -54,12 +55,14 @@ class Runner:
         report: Callable[[str], None] = lambda line: None,
         publisher: Publisher | None = None,
         remark: Callable[[], str] = lambda: "",
+        say: Callable[[str, str], None] = lambda state, detail: None,
     ) -> None:
         self.service = service
         self._bus = bus
         self._clock = clock
         self._report = report
         self._remark, self._remarked = remark, ""
+        self._say = say
         self._publisher = publisher or Publisher(bus, clock)
         self.publish = self._publisher.publish
         self._turns = {topic.key: self._publisher.share(topic) for topic in service.wiring.shares}
@@ -269,6 +272,7 @@ class Runner:
         told = self.fault, self.timing, self.subscriptions, self._taken(), self._links, remark
         message = health(now, self.service, *told)
         self.publish(self._health_topic, message, valid=self.fault is None)
+        self._say(message.state, message.detail)
 
     def close(self) -> None:
         """Brake once more, so that the robot need not wait for silence."""
