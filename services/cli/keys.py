@@ -26,6 +26,9 @@ def keys(
     ] = None,
     renew: Annotated[bool, typer.Option("--renew", help="Make even those anew that will do for long.")] = False,
     revoke: Annotated[bool, typer.Option("--revoke", help="Make the authority anew: older ones are refused.")] = False,
+    into: Annotated[
+        Path | None, typer.Option(help="Put what --only names into this folder, for whoever takes it elsewhere.")
+    ] = None,
     robot: Robot = DEFAULT_ROBOT,
 ) -> None:
     """Make certificates for a closed network; who has a folder of them can be started with `--secure FOLDER/NAME`.
@@ -36,19 +39,23 @@ def keys(
     for participant in only or ():
         if participant not in known:
             refuse(f"--only {participant}: choose from {', '.join(known)}")
-    chosen = only or known
+    places = {participant: folder / participant for participant in only or known}
+    if into is not None:
+        if len(places) > 1:
+            refuse(f"--into {into}: wanted one --only, got {', '.join(places)}")
+        places = dict.fromkeys(places, into)
     made: list[str] = []
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         authority = Authority(folder / "authority", anew=revoke)
-        for participant in chosen:
+        for participant, place in places.items():
             addresses = (participant, publisher_named(participant), *_OWN_ADDRESSES, *(name or ()))
             wanted = Wanted(common_name(robot, participant), tuple(dict.fromkeys(addresses)), days)
-            why = "was asked for" if renew else authority.why_anew(folder / participant, wanted)
+            why = "was asked for" if renew else authority.why_anew(place, wanted)
             if why:
-                authority.issue(folder / participant, wanted)
+                authority.issue(place, wanted)
                 made.append(participant if authority.made or why == "was missing" else f"{participant} ({why})")
-        ends = min(end_of(folder / participant) for participant in chosen)
+        ends = min(end_of(place) for place in places.values())
     except ValueError as problem:
         refuse(str(problem))
     except OSError as problem:
@@ -57,5 +64,5 @@ def keys(
         signed = "an authority, and certificates" if authority.made else "certificates"
         done = f"made {signed} for {', '.join(made)}; each folder goes to its owner, authority/ to nobody"
     else:
-        done = f"nothing to do for {', '.join(chosen)}"
+        done = f"nothing to do for {', '.join(places)}"
     typer.echo(f"{done}; valid until {ends:%Y-%m-%d}")

@@ -102,6 +102,18 @@ def test_one_is_made_anew_when_it_is_asked_for(keys: Keys) -> None:
     assert keys.changed("--renew", "--only", "wrench")[0] == {"wrench"}
 
 
+def test_one_is_made_for_elsewhere(keys: Keys, tmp_path: Path) -> None:
+    keys.make("--only", "operator")
+    changed, _ = keys.changed("--only", "operator", "--into", str(tmp_path / "laptop"), "--days", "30")
+    assert not changed
+    held = {path.name: path.read_bytes() for path in (tmp_path / "laptop").iterdir()}
+    assert held.keys() == {"authority.pem", "certificate.pem", "key.pem"}
+    assert held["authority.pem"] == (keys.folder / "operator" / "authority.pem").read_bytes()
+    assert "--into x: wanted one --only, got operator, viewer" in keys.refused(
+        "--only", "operator", "--only", "viewer", "--into", "x"
+    )
+
+
 def test_a_new_authority_makes_all_anew_and_so_does_a_lost_one(keys: Keys) -> None:
     keys.make("--only", "router", "--only", "sim")
     assert keys.changed("--revoke", "--only", "router")[0] == {"authority", "router"}
