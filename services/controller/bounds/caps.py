@@ -49,6 +49,7 @@ class Caps:
         room: X = W - theta (6,).
         promise: P (6,) that no true wrench passes at rest; None before the first ``lower``.
         lowering: some axis of ``promise`` is above what belongs to the limits.
+        shifted: the nominal wrench has moved since it was not: what presses now may be what it carried.
         threshold: (6,) up to which a measured wrench makes nothing yield: theta; in the strict form the wall, or while
             the promise is being lowered what the reserve leaves.
         most: P - eps (6,), cap that nothing may pass at rest: C, which is W, and in the rounded form up to 2 eps less.
@@ -65,7 +66,7 @@ class Caps:
         self._given: list[float] = []  # the bounds as they were when ``_errors`` was chosen
         self.refusal: str | None = None
         self.promise: list[float] | None = None
-        self.lowering = False
+        self.lowering = self.shifted = False
         self.force = [0.0] * 3
         self.wall = self.start = self.room = self.most = self.threshold = self._cap = self._aim = [0.0] * 6
         self.levels = np.zeros((3, 12))
@@ -102,6 +103,7 @@ class Caps:
     def shift(self, by: Array) -> None:
         """The nominal wrench has moved by (6,) [N, Nm]: what held about the old one holds about it in a wider box."""
         if self.promise is not None and by.any():
+            self.shifted = True
             self._keep([kept + abs(change) for kept, change in zip(self.promise, by.tolist(), strict=True)])
 
     def lower(self, load: Array) -> None:
@@ -121,6 +123,7 @@ class Caps:
     def _keep(self, promise: list[float]) -> None:
         """Take over the promise, and what follows from it."""
         self.lowering = any(map(operator.gt, promise, self._aim))
+        self.shifted = self.shifted and self.lowering
         self.promise = promise if self.lowering else self._aim
         self.force = list(map(max, self._limits[:3], self.promise[:3]))
         self.most = [kept - error for kept, error in zip(self.promise, self.errors, strict=True)]

@@ -28,6 +28,10 @@ _INTEGRAL_TIME = 4.0
 _FORGET_TIME = 2.0
 """Time constant, in response times D, with which the integral of an axis that is not pressed decays."""
 
+_PATIENCE, _STUCK = 1.0, 0.1
+"""After so long [s] with less than this share of the y that a load asks for which the nominal wrench carried before, the
+law gives way all the same."""
+
 _NONE = (0.0,) * 6
 _FOLLOWED = 1e-3
 """An integral slower than this [m/s, rad/s] follows nobody any more: the rows may have it back."""
@@ -115,13 +119,15 @@ class Yielding(ABC):
     """One form of giving way.
 
     Attributes:
-        moved: a measured wrench was beyond the wall, which proves that the environment moved, and has not come back
-            into the box since: y is free of the rows.
+        moved: a measured wrench was beyond the wall, which proves that the environment moved, or the nominal wrench
+            has moved away from a load that the rows do not let go; and the wrench has not come back into the box
+            since: y is free of the rows.
     """
 
     def __init__(self) -> None:
         self._integral = _Integral()
         self.moved = False
+        self._stuck = 0.0
 
     @property
     def at_rest(self) -> bool:
@@ -137,6 +143,15 @@ class Yielding(ABC):
         self._integral.rest(response_time, dt)
         if self._integral.slower_than(_FOLLOWED):
             self.moved = False  # a wrench beyond the wall will prove it again
+
+    def left(self, share: float, shifted: bool, dt: float) -> None:
+        """Take note of how much of y the rows have left, for ``dt`` [s].
+
+        Whoever moves the nominal wrench away from a weight in hand wants it set down. Where another axis has no room
+        neither would ever change: what has moved against the nominal wrench is treated as an environment that moves.
+        """
+        self._stuck = self._stuck + dt if shifted and share < _STUCK else 0.0
+        self.moved = self.moved or self._stuck > _PATIENCE
 
     def _watch(self, state: YieldInput) -> None:
         self.moved = self.moved or any(map(operator.gt, map(abs, state.wrench), state.caps.wall))

@@ -180,8 +180,11 @@ class CertifiedLaw(Law):
         else:  # shortened as a whole, it still goes down the gradient
             back, ahead = reach[GROW].tolist(), reach[FALL].tolist()
             y = scaled_into(y, [ahead[i] if y[i] > 0.0 else back[i] for i in range(6)])
-            speeds = self._y_speeds = self._keep_rows(directed(np.array(y)), state.wrench)
+            wanted = directed(np.array(y))
+            asked = float(wanted.sum())
+            speeds = self._y_speeds = self._keep_rows(wanted, state.wrench)
             self.y = speeds[FALL] - speeds[GROW]
+            yielding.left(float(speeds.sum()) / asked if asked > 0.0 else 1.0, caps.shifted, dt)
         return bool(self._y_speeds.any())
 
     def _keep_rows(self, y: Array, wrench: Array) -> Array:
