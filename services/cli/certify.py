@@ -24,9 +24,9 @@ from shared.messages import ControlStatus, ControlTarget, ExternalWrench, TaskSt
 from shared.parameters import Refused
 from shared.spatial import Array, rotation_matrix
 from shared.wire.bus import NoReply
-from shared.wire.client import Client
+from shared.wire.client import Client, forbidden
 from shared.wire.credentials import Credentials
-from shared.wire.endpoint import BusError
+from shared.wire.endpoint import BusError, NoRouter
 from shared.wire.subscription import Received
 from shared.wire.zenoh import ZenohBus
 
@@ -99,9 +99,14 @@ def _running(robot: str, connect: str) -> Running | None:
     """What the running controller is to be certified with; None if there is none."""
     deadline = time.monotonic() + FOUND_WITHIN
     try:
-        bus = ZenohBus(robot, connect, give_up=lambda: time.monotonic() > deadline, credentials=Credentials.given())
-    except BusError:
+        credentials = Credentials.given(robot)
+        if why := forbidden(topics.CONTROL_PARAMETERS):
+            refuse(why)
+        bus = ZenohBus(robot, connect, lambda: time.monotonic() > deadline, credentials=credentials)
+    except NoRouter:
         return None
+    except BusError as problem:
+        refuse(str(problem))
     try:
         client = Client(bus)
         status, wrench = client.watch(topics.CONTROL_STATUS), client.watch(topics.WRENCH_EXTERNAL)

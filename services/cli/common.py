@@ -21,7 +21,7 @@ from shared.wire.bus import Bus, NoReply
 from shared.wire.client import Client
 from shared.wire.credentials import Credentials
 from shared.wire.endpoint import DEFAULT_ENDPOINT as DEFAULT_ENDPOINT
-from shared.wire.endpoint import BusError
+from shared.wire.endpoint import BusError, NoRouter
 from shared.wire.subscription import Subscription
 from shared.wire.turn import Turn
 from shared.wire.zenoh import ZenohBus
@@ -62,20 +62,27 @@ def refuse(text: str, status: int = USAGE) -> NoReturn:
 def open_bus(
     robot: str, connect: str, within: float = CONNECT_WITHIN, give_up: Callable[[], bool] = lambda: False
 ) -> Iterator[ZenohBus]:
-    """The bus of a running stack; refuses with one line when no router answers `within` [s] or until `give_up`."""
+    """The bus of a running stack; refuses with one line when no router answers `within` [s] or until `give_up`,
+    and when the certificate is not good for what is asked.
+    """
     if not robot or any(letter in robot for letter in "/*$#?"):
         refuse(f"--robot {robot!r}: wanted one chunk of a key, without / * $ # ?")
     deadline = time.monotonic() + within
     try:
         bus = ZenohBus(
-            robot, connect, give_up=lambda: give_up() or time.monotonic() > deadline, credentials=Credentials.given()
+            robot,
+            connect,
+            give_up=lambda: give_up() or time.monotonic() > deadline,
+            credentials=Credentials.given(robot),
         )
+    except NoRouter:
+        refuse(f"no router at {connect}. Start a stack with: tandem up, or choose another with --connect", 1)
     except BusError as problem:
-        if give_up() or time.monotonic() > deadline:
-            refuse(f"no router at {connect}. Start a stack with: tandem up, or choose another with --connect", 1)
         refuse(str(problem))
     try:
         yield bus
+    except BusError as problem:
+        refuse(str(problem))
     finally:
         bus.close()
 

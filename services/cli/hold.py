@@ -24,7 +24,7 @@ from shared import topics
 from shared.messages import ControlTarget
 from shared.schema.fields import InvalidField
 from shared.spatial import quaternion_from_rpy
-from shared.wire.client import Client
+from shared.wire.client import Client, forbidden
 
 REPEAT = 0.1  # [s] between two messages of the target
 
@@ -39,6 +39,8 @@ def hold(
     """Have the robot hold a pose within limits, until Ctrl-C (the last target then stays in force). Tare first."""
     target = make_target(pose, three("--force-limit", force_limit), three("--torque-limit", torque_limit))
     with open_bus(robot, connect) as bus:
+        if why := forbidden(topics.CONTROL_TARGET):
+            refuse(why)
         client = Client(bus, name="hold")
         status, turn = client.watch(topics.CONTROL_STATUS), client.publisher.share(topics.CONTROL_TARGET)
         end, shown, asked = stop_event(), "", False

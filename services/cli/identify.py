@@ -27,7 +27,7 @@ from shared.messages import ControlTarget, EndEffector, RobotStatus
 from shared.parameters import Refused
 from shared.spatial import pose_error, rotation_matrix, rpy_from_rotation
 from shared.wire.bus import NoReply
-from shared.wire.client import Client
+from shared.wire.client import Client, forbidden
 from shared.wire.subscription import Subscription
 from shared.wire.turn import Turn
 from shared.wire.zenoh import ZenohBus
@@ -55,6 +55,8 @@ def identify(
     """Identify mass, centre of mass and sensor biases: tilts the tool about its present position, ten poses."""
     limits = three("--force-limit", force_limit), three("--torque-limit", torque_limit)
     with open_bus(robot, connect) as bus:
+        if why := forbidden(topics.CONTROL_TARGET):
+            refuse(why)
         client = Client(bus, name="identify")
         turn = client.publisher.share(topics.CONTROL_TARGET)
         subscription, status = client.watch(topics.STATE_EE), client.watch(topics.STATE_ROBOT)

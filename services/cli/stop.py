@@ -11,7 +11,7 @@ from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot,
 from shared import topics
 from shared.messages import ControlStatus, RobotStatus, Stop
 from shared.wire.bus import Bus
-from shared.wire.client import Client
+from shared.wire.client import Client, forbidden
 from shared.wire.subscription import Subscription
 
 CONFIRM_WITHIN = 3.0  # [s]
@@ -51,6 +51,9 @@ def _latch(bus: Bus, message: Stop) -> None:
         shown = robot.latest
         if shown is not None and (shown.message.mode == "stopped") == message.engaged and not latched:
             return
+    # It was sent all the same: a stop is worth trying.
+    if why := forbidden(topics.STOP):
+        refuse(why, 1)
     if robot.latest is None:
         refuse(f"sent, but no robot has answered: {unheard(robot)}", 1)
     if latched:

@@ -109,7 +109,7 @@ def _run(options: argparse.Namespace) -> int:
     folder = options.out or Path("runs") / f"{experiment.name}-{time.strftime('%Y%m%d-%H%M%S')}"
     recorded = folder / run.name / RECORDING
     recorded.parent.mkdir(parents=True, exist_ok=True)
-    bus = ZenohBus(robot, options.connect, credentials=Credentials.given())
+    bus = ZenohBus(robot, options.connect, credentials=Credentials.given(robot))
     try:
         if NAME in bus.living():
             raise Refused(f"another one is played as {robot} on {options.connect}: wait for its end, or end it first")

@@ -31,7 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     stop = StopRequest()
     try:
         options = _options(arguments)
-        credentials = None if options.config else Credentials.of(options.secure)
+        credentials = None if options.config else Credentials.of(options.secure, participant=NAME)
         robots = options.robot or os.environ.get("TANDEM_ROBOT", "tiago").split(",")
         settings = options.config or router_settings(options.listen, credentials, robots, options.link)
         if options.print_config:

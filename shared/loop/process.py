@@ -60,7 +60,7 @@ def run(make: Callable[[P], Service], parameters: type[P], name: str, arguments:
         chosen = settings(name, parameters, arguments)
         check_endpoint("--connect", chosen.connect)
         service = make(chosen.parameters)
-        own, credentials = process_named(name).publisher, Credentials.of(chosen.secure)
+        own, credentials = process_named(name).publisher, Credentials.of(chosen.secure, chosen.robot, name)
         links = links_of(own, LINKED, chosen.links, chosen.robot, chosen.connect)
         told = told_waiting(name, chosen.connect, stop)
         bus = ZenohBus(chosen.robot, chosen.connect, told, links, own == ROBOT, credentials)

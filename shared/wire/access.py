@@ -36,6 +36,11 @@ def common_name(robot: str, participant: str) -> str:
     return participant if participant == ROUTER.name else f"{robot}.{participant}"
 
 
+def participant_of(common: str) -> str:
+    """Whose certificate it is, by its common name."""
+    return common.rpartition(".")[2]
+
+
 def may_publish(participant: str, topic: Topic) -> bool:
     """Whether a participant may say something under a topic."""
     if participant == READER:

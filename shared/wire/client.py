@@ -10,8 +10,11 @@ from shared.parameters import Refused
 from shared.schema.fields import InvalidField, shown
 from shared.schema.records import Record
 from shared.topics import LONGEST_REASON, Query, Topic
+from shared.wire.access import OPERATOR, may_ask, may_publish, participant_of
 from shared.wire.bus import Bus
 from shared.wire.codec import Rejected, decode_map, encode_map
+from shared.wire.credentials import Credentials
+from shared.wire.endpoint import BusError
 from shared.wire.publisher import Publisher
 from shared.wire.subscription import Received, Subscription
 
@@ -45,9 +48,12 @@ class Client:
         """Ask a query and return the reply, of which every field is there and of its kind.
 
         Raises:
+            BusError: the certificate does not allow it.
             NoReply: nobody answered within ``timeout`` [s].
             Refused: the answer was a refusal; the text is the reason.
         """
+        if why := forbidden(query):
+            raise BusError(why)
         asked = request or {}
         try:
             answer = decode_map(self.bus.query(query.key, encode_map(asked), timeout))
@@ -62,3 +68,18 @@ class Client:
         except InvalidField as problem:
             raise Refused(f"{query.key} answered with something else: {problem}") from None
         return answer
+
+
+def forbidden(what: Topic | Query) -> str:
+    """Why the certificate that the environment names does not allow to publish or ask something; empty if it does, or
+    if there is none.
+    """
+    credentials = Credentials.given()
+    if credentials is None:
+        return ""
+    name = credentials.own().name
+    who = participant_of(name)
+    if may_ask(who, what) if isinstance(what, Query) else may_publish(who, what):
+        return ""
+    word = "ask" if isinstance(what, Query) else "publish"
+    return f"the certificate of {name} may not {word} {what.key}; {OPERATOR}'s may (TANDEM_SECURE)"

@@ -14,6 +14,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from shared.wire.access import common_name
 from shared.wire.certificate import Certificate, read_certificate
 from shared.wire.endpoint import BusError
 
@@ -32,22 +33,32 @@ class Credentials:
     folder: Path
 
     @classmethod
-    def of(cls, folder: str) -> Credentials | None:
+    def of(cls, folder: str, robot: str = "", participant: str = "") -> Credentials | None:
         """The credentials in a folder; None if none is named.
 
+        Args:
+            folder: as the user names it.
+            robot: that the certificate has to be for, if it matters.
+            participant: whose it has to be, if it matters.
+
         Raises:
-            BusError: if a file is missing or cannot be used, or the certificate has expired.
+            BusError: if a file is missing or cannot be used, or the certificate has expired or is somebody else's.
         """
         if not folder:
             return None
         found = cls(Path(folder))
-        found.check_time(found.own())
+        own = found.own()
+        found.check_time(own)
+        if participant and own.name != (wanted := common_name(robot, participant)):
+            raise BusError(f"--secure {folder}: the certificate is of {own.name}, wanted that of {wanted}")
+        if robot and not own.name.startswith(f"{robot}."):
+            raise BusError(f"--secure {folder}: the certificate is of {own.name}, which may do nothing with {robot}")
         return found
 
     @classmethod
-    def given(cls) -> Credentials | None:
+    def given(cls, robot: str = "") -> Credentials | None:
         """Those that the environment names, for whoever has no option for them; errors as above."""
-        return cls.of(os.environ.get("TANDEM_SECURE", ""))
+        return cls.of(os.environ.get("TANDEM_SECURE", ""), robot)
 
     def own(self) -> Certificate:
         """What the certificate says.
@@ -80,6 +91,15 @@ class Credentials:
                 f"--secure {self.folder}: the certificate of {own.name} expired on {own.end}; make another one with "
                 "`tandem keys`"
             )
+
+    def check_endpoint(self, option: str, endpoint: str) -> None:
+        """Hold an endpoint against what a closed network needs.
+
+        Raises:
+            BusError: nothing is encrypted there.
+        """
+        if not _ADDRESS.match(endpoint):
+            raise BusError(f"{option} {endpoint}: with certificates ({self.folder}) wanted tls/<address>:<port>")
 
     def stamp(self) -> tuple[tuple[int, int, int], ...]:
         """Another one whenever one of the files was written or replaced."""
@@ -128,8 +148,7 @@ class Credentials:
     def why_refused(self, endpoint: str) -> str:
         """Why there is no connection to a listener, empty if it would take this certificate or nobody listens."""
         form = _ADDRESS.match(endpoint)
-        if form is None:
-            return f"{endpoint} is not encrypted, wanted tls/<address>:<port>"
+        assert form is not None
         host, port = form["host"].strip("[]"), int(form["port"])
         try:
             self.check_time(self.own())

@@ -12,6 +12,10 @@ class BusError(Exception):
     """The bus cannot be opened as asked; the text is one line for the user."""
 
 
+class NoRouter(BusError):
+    """Nobody routes there, as far as can be seen."""
+
+
 def check_endpoint(option: str, endpoint: str) -> None:
     """Hold an endpoint against the form that it has to have.
 

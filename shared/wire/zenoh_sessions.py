@@ -15,7 +15,7 @@ import zenoh
 from shared.topics import TOPICS
 from shared.wire.access import access
 from shared.wire.credentials import Credentials
-from shared.wire.endpoint import BusError, check_endpoint, next_port
+from shared.wire.endpoint import BusError, NoRouter, check_endpoint, next_port
 from shared.wire.links import Links
 
 _LEASE_MS = 1000
@@ -74,6 +74,8 @@ def router_settings(
         BusError: if the form of an endpoint is wrong.
     """
     check_endpoint("--listen", listen)
+    if credentials:
+        credentials.check_endpoint("--listen", listen)
     for other in others:
         check_endpoint("--link", other)
     settings = _settings("router", credentials) | _RETRY
@@ -193,6 +195,8 @@ def linked(session: zenoh.Session, links: Links) -> set[str]:
 def _opened(settings: dict[str, object], place: Place, give_up: Callable[[], bool], prefix: str = "") -> zenoh.Session:
     if place.connect.startswith("tls/") and place.credentials is None:
         raise BusError(f"{place.connect} is a closed network: name your certificates with TANDEM_SECURE=FOLDER")
+    if place.credentials:
+        place.credentials.check_endpoint("--connect", place.connect)
     # Zenoh's own endless waiting cannot be interrupted by a signal; short attempts can.
     while True:
         # Another identity for each attempt: the router may still believe in the link of the one before.
@@ -205,4 +209,4 @@ def _opened(settings: dict[str, object], place: Place, give_up: Callable[[], boo
         if place.credentials and (why := place.credentials.why_refused(place.connect)):
             raise BusError(why)
         if give_up():
-            raise BusError(f"no router at {place.connect}. Start one with `tandem up` or `python -m services.router`")
+            raise NoRouter(f"no router at {place.connect}. Start one with `tandem up` or `python -m services.router`")

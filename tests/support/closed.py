@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 from services.cli.main import commands
@@ -19,8 +20,10 @@ def make(folder: Path, *options: str, seconds: float = 0.0) -> Path:
     return folder
 
 
-def enter(endpoint: str, folder: Path, links: Links | None = None, robot: str = "tiago") -> ZenohBus:
-    """A session with the certificate of a folder."""
-    bus = ZenohBus(robot, endpoint, lambda: True, links, credentials=Credentials.of(str(folder)))
+def enter(endpoint: str, folder: Path, links: Links | None = None, within: float = 20.0) -> ZenohBus:
+    """A session with the certificate of a folder, once there is a router; waited for so long [s]."""
+    deadline = time.monotonic() + within
+    credentials = Credentials.of(str(folder))
+    bus = ZenohBus("tiago", endpoint, lambda: time.monotonic() > deadline, links, credentials=credentials)
     bus.link()
     return bus

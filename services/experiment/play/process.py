@@ -54,7 +54,7 @@ def play(compose: Compose, robot: str, connect: str, folder: Path, as_json: bool
     folder.mkdir(parents=True, exist_ok=True)
     try:
         bus = ZenohBus(
-            robot, connect, give_up=told_waiting("experiment", connect, stop), credentials=Credentials.given()
+            robot, connect, give_up=told_waiting("experiment", connect, stop), credentials=Credentials.given(robot)
         )
     except BusError:
         if stop.requested:
@@ -106,7 +106,7 @@ def _ask_aside(client: Client, ask: Ask, answered: Answered) -> None:
     def wait() -> None:
         try:
             answered(client.ask(ask.query, ask.request, ask.duration + ANSWER_WITHIN))
-        except (NoReply, Refused) as problem:
+        except (BusError, NoReply, Refused) as problem:
             answered({"ok": False, "error": str(problem)})
 
     threading.Thread(target=wait, name=f"ask {ask.query.key}", daemon=True).start()
