@@ -42,7 +42,7 @@ def stack(runs: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Comp
         (pytest.fail if os.environ.get("TANDEM_CONTAINERS") == "required" else pytest.skip)(why)
     override = tmp_path_factory.mktemp("compose") / "runs.yml"
     override.write_text(yaml.safe_dump({"services": {"experiment": {"volumes": [f"{runs}:/opt/tandem/runs"]}}}))
-    with Compose("tandem-test", override) as stack:
+    with Compose(f"tandem-test-{os.getpid()}", override) as stack:
         stack.do("up", "-d")
         yield stack
 
@@ -52,9 +52,9 @@ def log(stack: Compose, service: str) -> str:
 
 
 def moves(stack: Compose) -> bool:
-    """Whether the robot may move; what a busy machine has latched is released."""
+    """Whether the robot may move now and then; what a busy machine has latched is released."""
     stack.tandem("resume")
-    return stack.newest("state/robot")["mode"] == "ready"
+    return any(said["mode"] == "ready" for said in stack.newest("state/robot", 200))
 
 
 def test_the_carry_begins_by_itself(stack: Compose) -> None:
@@ -63,6 +63,7 @@ def test_the_carry_begins_by_itself(stack: Compose) -> None:
 
 def test_another_experiment_is_played_and_its_report_is_its_reader_s(stack: Compose, runs: Path) -> None:
     stack.do("stop", "experiment")
+    assert stack.inspect("experiment", "State", "ExitCode") == 0, "it gives the controller back what it had"
     done = stack.run("run", "--rm", "-T", "experiment", "load", "--no-film", timeout=300.0)
     assert "claims" in done.stdout, done.stdout + done.stderr
     (page,) = runs.glob("load-*/index.html")
@@ -74,7 +75,7 @@ def test_a_controller_that_was_stopped_is_waited_for(stack: Compose) -> None:
     eventually(lambda: moves(stack), PATIENCE)
     stack.do("stop", "controller")
     assert stack.inspect("controller", "State", "ExitCode") == 0, "it ended by itself, within two seconds"
-    assert stack.newest("state/robot")["mode"] == "holding"
+    assert {said["mode"] for said in stack.newest("state/robot", 20)} == {"holding"}
     stack.do("start", "controller")
     assert stack.run("run", "-d", "--rm", "tandem", "hold", "0.5", "-0.3", "1", "0", "0", "0").returncode == 0
     eventually(lambda: moves(stack), PATIENCE, "it goes on")
@@ -90,24 +91,37 @@ def test_a_hung_router_stops_the_arm_and_the_log_says_why(stack: Compose) -> Non
 
 def test_what_was_tared_outlives_a_killed_process_but_not_the_robot(stack: Compose) -> None:
     def known() -> str:
-        return stack.newest("wrench/external")["compensation"]
+        return stack.newest("wrench/external")[0]["compensation"]
 
     before = known()
     assert before != "none"
     stack.do("kill", "wrench")
     stack.do("start", "wrench")
     eventually(lambda: known() == before, PATIENCE, "it goes by its journal")
-    elapsed = stack.newest("sim/world")["time"]
-    stack.do("restart", "sim")
-    eventually(lambda: stack.newest("sim/world")["time"] < elapsed, PATIENCE, "a new robot")
+    elapsed = stack.newest("sim/world")[0]["time"]
+    stack.do("stop", "sim")
+
+    def hungry() -> bool:
+        status, why = stack.health("wrench")
+        return status == "unhealthy" and "sensor/ft is" in why
+
+    eventually(hungry, PATIENCE, lambda: str(stack.health("wrench")))
+    stack.do("start", "sim")
+    eventually(lambda: stack.newest("sim/world")[0]["time"] < elapsed, PATIENCE, "a new robot")
+    eventually(lambda: stack.health("wrench")[0] == "healthy", PATIENCE, lambda: str(stack.health("wrench")))
 
 
 def test_a_process_that_dies_is_restarted_and_everybody_works(stack: Compose) -> None:
     stack.run("exec", "-T", "base", "python", "-c", "import os; os.kill(1, 15)")
     eventually(lambda: stack.inspect("base", "RestartCount") == 1, PATIENCE, "the engine restarts it")
-    stack.tandem("resume")
-    stack.healthy(*BY_ITSELF)
-    shown = stack.tandem("status").stdout
-    # A busy machine makes some degraded afterwards: they are alive all the same.
-    alive = [name for name in BY_ITSELF if re.search(rf"^{name} +(ok|degraded)", shown, re.MULTILINE)]
-    assert alive == [name for name in BY_ITSELF if name != ROUTER.name], shown
+
+    def alive() -> set[str]:
+        """Who says how it is; a busy machine makes some degraded."""
+        return set(re.findall(r"^(\w+) +(?:ok|degraded)", stack.tandem("status").stdout, re.MULTILINE))
+
+    eventually(lambda: alive() >= {*BY_ITSELF} - {ROUTER.name}, PATIENCE, lambda: stack.tandem("status").stdout)
+
+
+def test_everybody_ends_by_itself_within_two_seconds(stack: Compose) -> None:
+    stack.do("stop")
+    assert {name: stack.inspect(name, "State", "ExitCode") for name in BY_ITSELF} == dict.fromkeys(BY_ITSELF, 0)

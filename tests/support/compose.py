@@ -37,10 +37,11 @@ class Compose:
     Args:
         project: its name.
         override: a second file, whose words come after the first one's.
+        root: folder of the compose file and of what the images are built of.
     """
 
-    def __init__(self, project: str, override: Path | None = None) -> None:
-        files = ["-f", str(ROOT / "docker-compose.yml"), *(["-f", str(override)] if override else [])]
+    def __init__(self, project: str, override: Path | None = None, root: Path = ROOT) -> None:
+        files = ["-f", str(root / "docker-compose.yml"), *(["-f", str(override)] if override else [])]
         self._command = [*_compose(), "-p", project, *files]
         self.project = project
 
@@ -68,9 +69,11 @@ class Compose:
         """The operator's command."""
         return self.run("run", "--rm", "-T", "tandem", *arguments)
 
-    def newest(self, key: str) -> dict[str, Any]:
-        """The next message of a topic."""
-        return json.loads(self.tandem("topic", "echo", key, "--count", "1").stdout.splitlines()[0])
+    def newest(self, key: str, count: int = 1) -> list[dict[str, Any]]:
+        """The next messages of a topic."""
+        echoed = self.tandem("topic", "echo", key, "--count", str(count))
+        assert echoed.returncode == 0, echoed.stderr
+        return [json.loads(line) for line in echoed.stdout.splitlines()]
 
     def inspect(self, service: str, *path: str) -> Any:
         """What the engine knows of a service's container."""
@@ -79,9 +82,14 @@ class Compose:
             found = found[name]
         return found
 
+    def health(self, service: str) -> tuple[str, str]:
+        """What the engine thinks of a service: such as "healthy", and what its last check said."""
+        known = self.inspect(service, "State", "Health")
+        return known["Status"], known["Log"][-1]["Output"] if known["Log"] else ""
+
     def healthy(self, *services: str, within: float = 90.0) -> None:
         """Waits until each of the services has said that it works."""
         for name in services:
             eventually(
-                lambda name=name: self.inspect(name, "State", "Health", "Status") == "healthy", within, f"{name} works"
+                lambda name=name: self.health(name)[0] == "healthy", within, lambda name=name: str(self.health(name))
             )
