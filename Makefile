@@ -17,7 +17,8 @@ SHARED := --numprocesses auto --maxprocesses 4 --dist loadscope
 COMPILE := $(BIN)/uv pip compile -q --generate-hashes --python-version 3.11 --no-emit-index-url \
 	--custom-compile-command "make lock"
 
-.PHONY: help setup demo test lint format bench lock clean
+.PHONY: help setup demo test simulated realtime lint format bench lock clean
+.NOTPARALLEL:
 
 help: ## show this list
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 10
@@ -61,10 +62,15 @@ test: $(READY) ## every test, or those that PYTEST_ARGS names
 ifdef PYTEST_ARGS
 	@$(BIN)/python -m pytest $(PYTEST_ARGS)
 else
-	@$(BIN)/python -m pytest -m "not processes" $(SHARED)
-	@$(BIN)/python -m pytest -m processes --ignore tests/system --ignore tests/deploy $(SHARED)
-	@$(BIN)/python -m pytest -m processes tests/system tests/deploy  # in real time: no other test beside it
+test: simulated realtime
 endif
+
+simulated: $(READY)
+	@$(BIN)/python -m pytest -m "not processes" $(SHARED)
+
+realtime: $(READY)
+	@$(BIN)/python -m pytest -m processes --ignore tests/system --ignore tests/deploy $(SHARED)
+	@$(BIN)/python -m pytest -m processes tests/system tests/deploy  # no other test beside it
 
 lint: $(READY) ## style, layers and types
 	@$(BIN)/ruff check .
