@@ -19,6 +19,7 @@ from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot,
 from services.controller.guarantee import as_map, as_text
 from services.controller.parameters import ControllerParameters
 from shared import topics
+from shared.clock import in_words
 from shared.loop.config import Misconfigured, service_parameters
 from shared.messages import ControlStatus, ControlTarget, ExternalWrench, TaskStatus
 from shared.parameters import Refused
@@ -154,7 +155,7 @@ def _age(received: Received[Any], now_ns: int) -> str:
 def _zero(wrench: ExternalWrench) -> str:
     if wrench.zero_age is None:
         return ""
-    return f", zero {wrench.zero_age / 60:.0f} min old" if wrench.zero_age >= 0.0 else ", no zero of this run"
+    return f", zero {in_words(wrench.zero_age)} old" if wrench.zero_age >= 0.0 else ", no zero of this run"
 
 
 def _sender(target: Received[ControlTarget] | None, task: Received[TaskStatus] | None) -> str:

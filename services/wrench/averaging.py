@@ -69,13 +69,13 @@ class AveragingWindow:
         duration: [s].
         noise_bound: (6,) [N, Nm] declared bound on the sensor's noise, sensor axes.
         resolution: (6,) [N, Nm] declared step of the readings, or reading up to which they are zero, 0 = unknown.
-        bias_bound: (6,) [N, Nm] declared bound on the bias: on the error of an axis that repeats one value, too.
+        coarsest: (6,) [N, Nm] bound on the error of an axis that repeats one value, if its resolution is not declared.
     """
 
-    def __init__(self, duration: float, noise_bound: Array, resolution: Array, bias_bound: Array) -> None:
+    def __init__(self, duration: float, noise_bound: Array, resolution: Array, coarsest: Array) -> None:
         self._left = duration
         self._noise_bound = noise_bound
-        self._resolution, self._bias_bound = resolution, bias_bound
+        self._resolution, self._coarsest = resolution, coarsest
         self._readings: list[Array] = []
         self._rotations: list[Array] = []
 
@@ -112,7 +112,7 @@ class AveragingWindow:
                 )
         rounding = np.array([_rounding(readings[:, axis]) for axis in range(6)])
         # Of an axis that repeats one value nobody knows how coarse it is, whether the others have noise or not.
-        unknown = np.where(np.isinf(rounding) & (self._resolution <= 0.0), self._bias_bound, 0.0)
+        unknown = np.where(np.isinf(rounding) & (self._resolution <= 0.0), self._coarsest, 0.0)
         rounding = np.where(self._resolution > 0.0, self._resolution, np.where(np.isinf(rounding), 0.0, rounding))
         return Average(
             mean,
@@ -155,11 +155,16 @@ def _independent(deviations: Array) -> Array:
 def _rounding(readings: Array) -> float:
     """What steps or a dead zone may make the mean of an axis' readings (n,) wrong by; infinite if all are the same.
 
-    Noise of half a step and more makes the mean of rounded readings right. A dead zone shows by zeros among others.
+    Noise of half a step and more makes the mean of rounded readings right. A dead zone shows by a value that comes far
+    more often than others do, and has none near it; of three values nobody knows whether they are steps.
     """
-    values = np.unique(readings)
+    values, counts = np.unique(readings, return_counts=True)
     if len(values) == 1:
         return math.inf
-    zone = float(np.abs(values[values != 0.0]).min()) if np.count_nonzero(readings == 0.0) > 1 else 0.0
     step = float(np.diff(values).min())
+    often = int(np.argmax(counts))
+    gap = float(np.abs(np.delete(values, often) - values[often]).min())
+    # What comes more rarely than that is within five standard deviations of the mean, or next to nothing.
+    stands_out = counts[often] > max(2.0 * np.median(np.delete(counts, often)), 0.05 * len(readings))
+    zone = gap if stands_out and (gap > 2.0 * step or len(values) <= 3) else 0.0
     return max(zone, 0.5 * step if readings.std() < 0.5 * step else 0.0)

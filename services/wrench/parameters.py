@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from services.wrench.averaging import AXES, UNITS
-from services.wrench.sensor_watch import FEWEST_REPEATS
+from services.wrench.axis_watch import FEWEST_REPEATS
 from shared.parameters import Parameters, Refused, Vector6, option, parameter
 from shared.robot.tiago import SENSOR_RANGE
 from shared.spatial import GRAVITY

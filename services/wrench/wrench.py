@@ -138,7 +138,9 @@ class Wrench(Service[WrenchParameters]):
         elif isinstance(request, (Tare, AddPose)):
             if self._trouble:
                 raise Refused(self._trouble)
-            bounds = self._noise_bound, self._resolution, self._bias_bound
+            zones = self._watch.zones
+            coarsest = np.where(zones > 0.0, np.minimum(zones, self._bias_bound), self._bias_bound)
+            bounds = self._noise_bound, self._resolution, coarsest
             self._measurements.begin(request, AveragingWindow(request.duration, *bounds), reply)
             # A bias is as old as the oldest reading in it.
             if isinstance(request, Tare):
@@ -209,6 +211,7 @@ class Wrench(Service[WrenchParameters]):
     def _box(self, standing: Array) -> Array:
         """Bound (6,) on what is wrong with a reading and its bias, sensor axes."""
         box = np.maximum(self._noise_bound + self._resolution, self.compensation.noise) + self._error_of_bias
+        box = box + np.minimum(self._watch.zones, self._bias_bound)
         return box + self.compensation.misfit(standing[2]) if self.compensation.kind == "payload" else box
 
     def _least_weight(self, standing: Array, offset: Array) -> Array:

@@ -107,7 +107,7 @@ def heard(message: Record, session: int, age: float, valid: bool = True) -> Rece
 SIX, STILL = (0.0,) * 6, ((0.0,) * 3, (0.0, 0.0, 0.0, 1.0))
 STATUS = ControlStatus("yielding", "", "certified", SIX, SIX, SIX, 0.0, 0.0, 0.0, limit=(9.0,) * 6, nominal=SIX)
 TARGET = heard(ControlTarget(*STILL, (5.0,) * 3, (1.0,) * 3), 7, 0.1)
-WRENCH = ExternalWrench(SIX[:3], SIX[:3], (0.5,) * 6, "tare", "stuck", zero_age=600.0)
+WRENCH = ExternalWrench(SIX[:3], SIX[:3], (0.5,) * 6, "tare", "stuck", zero_age=90.0)
 
 
 def test_of_a_running_system_the_limits_in_force_count_and_whose_they_are_is_said() -> None:
@@ -116,7 +116,7 @@ def test_of_a_running_system_the_limits_in_force_count_and_whose_they_are_is_sai
         ControllerParameters(), heard(STATUS, 1, 0.25), heard(WRENCH, 2, 3.0, False), TARGET, task, now_ns=0
     )
     assert np.array_equal(found.limit, [9.0] * 6) and np.array_equal(found.error_bound, [0.5] * 6)
-    for words in ("(yielding), 0.2 s old", "target by task", "3.0 s old, zero 10 min old", "not valid (stuck)"):
+    for words in ("(yielding), 0.2 s old", "target by task", "3.0 s old, zero 90 s old", "not valid (stuck)"):
         assert words in found.said
     other = running(ControllerParameters(law="paper"), heard(STATUS, 1, 0.2), None, TARGET, None, now_ns=0)
     assert "target by another program" in other.said and "law paper, which promises none of this" in other.said

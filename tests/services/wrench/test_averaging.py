@@ -121,3 +121,18 @@ def test_how_coarse_an_axis_is_that_repeats_one_value_has_to_be_declared() -> No
     while not window.add(reading, LEVEL, DT):
         pass
     assert window.average().mean_error.max() < 1.1e-6
+
+
+@pytest.mark.parametrize("load", [0.0, 0.7, 0.95, 1.05])
+@pytest.mark.parametrize("centre", [0.0, -3.7])
+def test_a_dead_zone_that_shows_is_in_the_bound_of_the_mean(load: float, centre: float) -> None:
+    zone, sensor = 8.0 * NOISE, np.random.default_rng(2)
+    inside = load * zone + NOISE * sensor.standard_normal((200, 6))
+    inside[0] = 1.2 * zone
+    average = averaged(list(centre + np.where(np.abs(inside) < zone, 0.0, inside)))
+    assert np.all(np.abs(average.mean - centre - load * zone) <= average.mean_error)
+
+
+def test_digits_finer_than_the_noise_are_no_dead_zone() -> None:
+    readings = np.round(NOISE * np.random.default_rng(4).standard_normal((100, 6)) * 500.0) / 500.0
+    assert not averaged(list(readings)).rounding[:3].any()

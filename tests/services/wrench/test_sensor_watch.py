@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -166,6 +167,102 @@ def test_an_axis_that_freezes_farther_out_than_ever_is_saturated() -> None:
     assert set(reports(readings)) == {"", SATURATED}
     assert set(reports(readings, sensor_range=(250.0,) * 6)[330:]) == {SATURATED}
     assert set(reports(readings, sensor_range=(249.0,) * 6)[330:]) == {INVALID}
+
+
+@pytest.mark.parametrize("end", [250.0, -40.0])
+def test_an_axis_that_leaps_to_the_end_of_its_range_is_saturated_and_one_that_drops_to_zero_stuck(end: float) -> None:
+    readings = noisy(400) + np.array((0, 0, -8.0, 0, 0, 0))
+    readings[300:, 2] = end
+    assert set(reports(readings)) == {"", SATURATED}
+    readings[300:, 2] = 0.0
+    assert set(reports(readings)) == {"", STUCK}
+
+
+def pushes(count: int) -> Array:
+    """Pushes that come and go within a sample, with rest between them: their size (n, 1)."""
+    return np.where(np.arange(count) % 80 < 30, 20.0, 0.0)[:, None]
+
+
+@dataclass
+class Zoned:
+    """A dead zone of some width on some axes, about a value of its own; at rest, pushed, and at rest for 10 s."""
+
+    width: float = 10.0  # times the noise
+    axes: tuple[int, ...] = (0, 3)
+    centre: float = 0.0
+    seed: int = 0
+    rest: int = 1000
+    before: int = 100
+
+    @property
+    def readings(self) -> Array:
+        load = np.concatenate((np.zeros((self.before, 1)), pushes(320), np.zeros((self.rest, 1))))
+        readings = noisy(len(load), self.seed) + load * (1, -1, 1, 0.05, 0.05, -0.05) + self.centre
+        axes = list(self.axes)
+        inside = np.abs(readings[:, axes] - self.centre) < self.width * NOISE[axes]
+        readings[:, axes] = np.where(inside, self.centre, readings[:, axes])
+        return readings
+
+
+@given(
+    zone=st.builds(
+        Zoned,
+        width=st.floats(1.0, 150.0),
+        axes=st.sampled_from([(0,), (2,), (3,), (1, 4), tuple(range(6))]),
+        centre=st.sampled_from([0.0, -3.7]),
+        seed=st.integers(0, 99),
+    )
+)
+@settings(max_examples=30, deadline=None)
+def test_an_axis_that_is_back_in_the_dead_zone_it_began_in_is_not_stuck(zone: Zoned) -> None:
+    assert set(reports(zone.readings)) == {""}
+
+
+def test_a_dead_zone_that_has_shown_is_told_with_its_width_and_one_that_is_declared_is_not() -> None:
+    watch, declared = SensorWatch(), SensorWatch()
+    step = tuple(20.0 * NOISE)
+    zone = Zoned(centre=-3.7)
+    for number, reading in enumerate(zone.readings):
+        watch.update(reading, False, 0.01, STUCK_AFTER)
+        declared.update(reading, False, 0.01, STUCK_AFTER, resolution=step)
+        if number < zone.before + 30:
+            assert not watch.zones.any(), "not before it has come back"
+    assert np.all(watch.zones[[0, 3]] >= 10.0 * NOISE[[0, 3]]) and np.count_nonzero(watch.zones) == 2
+    assert "force x is at -3.7 N or at least" in watch.notes() and "`resolution`" in watch.notes()
+    assert not declared.zones.any() and declared.notes() == ""
+
+
+def test_an_axis_that_freezes_outside_its_dead_zone_is_found_in_time_however_long_it_rested() -> None:
+    readings = np.concatenate((Zoned(before=6000, rest=6000).readings, noisy(100, 7) + 15.0))
+    readings[-20:, 0] = readings[-21, 0]
+    words = reports(readings)
+    assert set(words[:-20]) == {""} and words.index(STUCK) - (len(words) - 20) < 10
+
+
+def test_a_cable_that_loses_contact_again_and_again_is_stuck_and_no_dead_zone() -> None:
+    readings = noisy(1_000) + np.array((0, 0, -2.0, 0, 0, 0))
+    for number, dropped in enumerate(range(100, 1_000, 100)):
+        readings[dropped : dropped + 2 + 5 * number, 2] = 0.0
+    words = reports(readings)
+    assert set(words[:301]) == {""} and all(STUCK in words[start : start + 60] for start in range(400, 1_000, 100))
+
+
+def test_an_axis_that_freezes_in_its_dead_zone_is_found_when_more_weight_turns_than_the_zone_hides() -> None:
+    def turned(change: float) -> str:
+        watch = SensorWatch()
+        for number, reading in enumerate(Zoned(width=10.0).readings):
+            weight = np.full(6, change if number > 1_200 else 0.0)
+            word = watch.update(reading, False, 0.01, STUCK_AFTER, weight=weight, known=True)
+        return word
+
+    assert turned(1.9) == "" and turned(30.0) == STUCK
+
+
+@pytest.mark.parametrize("share", [1.0, 2.0, 4.0])
+def test_coarse_steps_at_rest_after_pushes_are_not_stuck(share: float) -> None:
+    step = share * NOISE
+    readings = step * np.round((noisy(1_500) + np.concatenate((pushes(480), np.zeros((1_020, 1))))) / step)
+    assert set(reports(readings)) == {""}
 
 
 def test_one_gap_does_not_make_a_stuck_axis() -> None:
