@@ -29,7 +29,7 @@ _FORGET_TIME = 2.0
 """Time constant, in response times D, with which the integral of an axis that is not pressed decays."""
 
 _PATIENCE, _STUCK = 1.0, 0.1
-"""After so long [s] with less than this share of the y that a load asks for which the nominal wrench carried before, the
+"""After so long [s] with less than this share of the y that a load asks for which the nominal wrench carried, the
 law gives way all the same."""
 
 _NONE = (0.0,) * 6
