@@ -1,8 +1,8 @@
 """What outlives the process: the file of an identified payload, and the journal of the present compensation.
 
 The journal makes a restarted process continue where the killed one stopped: with a bag on the tool nobody could tare.
-An entry belongs to one run of the robot process, named by the session of its samples, and is never used for another:
-so does the zero in it, whose age the stamps of that session tell.
+An entry belongs to one run of the robot process, named by the session of its samples. So does the zero in it, whose age
+the stamps of that session tell; an identified payload belongs to the robot, and outlives the run.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from services.wrench.identification import IdentifiedPayload
 from shared.loop.files import write_whole
 from shared.parameters import Refused
 from shared.schema.fields import Integer, InvalidField, Text
-from shared.schema.records import Record, RecordOf, of
+from shared.schema.records import Nullable, Record, RecordOf, of
 
 _ENTRIES = 8  # runs of the robot process of which the journal is kept
 
@@ -59,7 +59,9 @@ class JournalEntry(Record):
 
     payload: str = of(Text(longest=4096, doc="value of the parameter of that name"))
     compensation: Compensation = of(RecordOf(record=Compensation))
-    since: int = of(Integer(unit="ns", doc="stamp of the sensor's sample with which measuring its bias began"))
+    since: int | None = of(
+        Nullable(kind=Integer(unit="ns", doc="stamp of the sensor's sample with which measuring its bias began; null without a zero"))
+    )
 
 
 class Journal:
@@ -101,13 +103,26 @@ class Journal:
             self.problem = f"{text}: a restart will have to tare again"
 
     def recall(self, session: int, payload: str) -> JournalEntry | None:
-        """What was in force for this run of the robot process under this configuration, or None."""
-        plain = self._entries().get(str(session))
+        """What was in force for this run of the robot process under this configuration, or None.
+
+        Of a run that was never seen it is the payload that was in force last, without its zero; not if a file is
+        configured, which says it better.
+        """
+        entries = self._entries()
+        if str(session) in entries:
+            entry = self._entry(entries[str(session)])
+            return entry if entry is not None and entry.payload == payload else None
+        if payload:
+            return None
+        found = (self._entry(plain) for plain in reversed(entries.values()))
+        last = next((entry for entry in found if entry is not None and not entry.payload), None)
+        return last.replaced(since=None) if last is not None and last.compensation.kind == "payload" else None
+
+    def _entry(self, plain: Any) -> JournalEntry | None:
         if not isinstance(plain, dict):
             return None
         try:
-            entry = JournalEntry.from_plain(plain)
+            return JournalEntry.from_plain(plain)
         except InvalidField as problem:
             self.problem = f"{self._path} holds no compensation ({problem}): starting without the last tare"
             return None
-        return entry if entry.payload == payload else None

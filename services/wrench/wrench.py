@@ -234,13 +234,15 @@ class Wrench(Service[WrenchParameters]):
     def _follow(self, session: int, stamp: int, dt: float) -> None:
         """A run of the robot process that was not seen before, by a sample with this stamp [ns].
 
-        At the start of this service the journal may know of it. A run that ends another ends the zero with it: what is
-        identified stays, with its bias for a first guess, and a tare, whose bias holds the weight too, is of no use.
+        At the start of this service the journal may know of it, or of a payload. A run that ends another ends the zero
+        with it: what is identified stays, with its bias for a first guess, and a tare, whose bias holds the weight too, is of no use.
         """
         if self._session is None:
             entry = self._journal.recall(session, self.parameters.payload)
-            if entry is not None and entry.since <= stamp:
-                self.compensation, self._zero.since = entry.compensation, entry.since
+            if entry is not None:
+                known = entry.since is not None and entry.since <= stamp
+                if known or entry.compensation.kind == "payload":
+                    self.compensation, self._zero.since = entry.compensation, entry.since if known else None
         else:
             self._measurements.abort("the robot process was started anew")
             self._measurements.restart(start=False)
@@ -277,7 +279,7 @@ class Wrench(Service[WrenchParameters]):
         self._record()
 
     def _record(self) -> None:
-        if self._session is not None and self._zero.since is not None:
+        if self._session is not None:
             entry = JournalEntry(self.parameters.payload, self.compensation, self._zero.since)
             self._journal.record(self._session, entry)
 

@@ -13,7 +13,7 @@ from services.wrench.error_bound import NO_ZERO
 from services.wrench.zero import Zero
 from shared.service import LONGEST_DT
 from shared.spatial import Array
-from shared.topics import WRENCH_IDENTIFY
+from shared.topics import WRENCH_IDENTIFY, WRENCH_PARAMETERS
 from tests.services.wrench.rig import BAG, Rig, bounds_hold, identified
 from tests.services.wrench.sensor import TILTED
 
@@ -97,6 +97,38 @@ def test_an_identified_weight_outlasts_the_run_of_the_robot_process_and_its_zero
     rig.run(0.5)
     assert bounds_hold(rig, np.zeros(6)) and rig.last.message.error_bound[0] < 1.0
     assert rig.tare()["replaced_age"] == pytest.approx(2.5, abs=0.1)
+
+
+@pytest.mark.parametrize("seen", [True, False])
+def test_an_identified_weight_outlasts_a_restart_of_robot_and_service_and_the_zero_does_not(
+    tmp_path: Path, seen: bool
+) -> None:
+    rig = Rig(tmp_path)
+    rig.run(0.2)
+    identified(rig)
+    if seen:  # the service hears the new run before it ends
+        robot_restarted(rig)
+    for _ in range(2):
+        again = Rig(tmp_path)
+        if seen:
+            again.surroundings.publisher.session = rig.surroundings.publisher.session
+        again.sensor.bias = again.sensor.bias + np.array((1.0, 4.0, -2.0, 0.1, -0.3, 0.2))
+        again.rotation, again.external = TILTED[3], BAG
+        again.run(0.5)
+        assert (again.last.message.compensation, again.last.message.zero_age) == ("payload", -1.0)
+        assert bounds_hold(again, BAG) and again.last.message.error_bound[0] > 5.0
+
+
+def test_a_payload_that_was_given_up_does_not_come_back(tmp_path: Path) -> None:
+    rig = Rig(tmp_path)
+    rig.run(0.2)
+    file = identified(rig)["file"]
+    rig.ask(WRENCH_PARAMETERS, {"set": {"payload": file}})
+    rig.ask(WRENCH_PARAMETERS, {"set": {"payload": ""}})
+    rig.run(0.2)
+    again = Rig(tmp_path)
+    again.run(0.5)
+    assert again.last.message.compensation == "none"
 
 
 def test_poses_of_two_runs_are_not_mixed() -> None:
