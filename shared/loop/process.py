@@ -75,7 +75,7 @@ def run(make: Callable[[P], Service], parameters: type[P], name: str, arguments:
         bus.link(give_up=lambda: stop.requested)
         if not stop.requested:
             loop = Loop(stop, door.gives_way)
-            remark = Renewal(credentials).look if credentials else lambda: ""
+            remark = Renewal(credentials, keeps=links is not None).look if credentials else lambda: ""
             how = (stop.wake.set, loop.on_driver, _report, publisher, remark, tell)
             loop.run(Runner(service, bus, SteadyClock(), *how))
     except Occupied as problem:

@@ -16,12 +16,14 @@ class Renewal:
 
     Args:
         credentials: those in use, which can be used.
+        keeps: whether the process listens, for direct links, and so shows until its end what it began with.
     """
 
-    def __init__(self, credentials: Credentials) -> None:
+    def __init__(self, credentials: Credentials, keeps: bool = False) -> None:
         self._credentials = credentials
         self._taken = self._seen = credentials.stamp()
-        self._own = credentials.own()
+        self._own = self._shown = credentials.own()
+        self._keeps = keeps
         self._trouble = ""
 
     def renewed(self) -> bool:
@@ -41,6 +43,7 @@ class Renewal:
             self._trouble = f"{problem}; what was there before is kept for now"
             return False
         self._own, self._trouble = own, ""
+        self._shown = self._shown if self._keeps else own
         return True
 
     def look(self) -> str:
@@ -52,8 +55,10 @@ class Renewal:
         """Why changed files are not taken over, or that the certificate has ended or ends soon; empty if neither."""
         if self._trouble:
             return self._trouble
-        own, now = self._own, time.time()
+        shown, now = self._shown, time.time()
         remedy = f"make another one in {self._credentials.folder} with `tandem keys`"
-        if own.expired(now):
-            return f"the certificate of {own.name} expired on {own.end}: {remedy}"
-        return f"the certificate of {own.name} ends on {own.end}: {remedy}" if own.ends_soon(now) else ""
+        if shown is not self._own:
+            remedy = "there is another one, start this process again to have it shown at its direct links"
+        if shown.expired(now):
+            return f"the certificate of {shown.name} expired on {shown.end}: {remedy}"
+        return f"the certificate of {shown.name} ends on {shown.end}: {remedy}" if shown.ends_soon(now) else ""

@@ -19,6 +19,7 @@ from shared.wire.endpoint import BusError
 from shared.wire.subscription import Subscription
 from shared.wire.zenoh import ZenohBus
 from tests.conftest import StartProcess
+from tests.services.cli.command import tandem_here
 from tests.support.closed import enter, make, refused, strangers
 from tests.support.ports import free_port
 from tests.support.processes import Process
@@ -144,6 +145,27 @@ def test_a_router_does_not_begin_with_an_ended_certificate(start: StartProcess, 
     make(keys, "--renew", "--only", "router", "--days", "0")
     router = start("services.router", "--listen", "tls/127.0.0.1:7447", "--secure", str(keys / "router"))
     router.refuses("the certificate of router expired on", "make another one with `tandem keys`")
+
+
+def test_a_process_says_that_its_certificate_ends_and_the_status_shows_it(
+    start: StartProcess,
+    keys: Path,
+    router: Routed,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    renew(keys, "mock", seconds=300.0)
+    mock = start("services.mock", "--connect", router.endpoint, "--secure", str(keys / "mock"))
+    mock.wait_for_output("mock: the certificate of tiago.mock ends on", 60.0)
+    monkeypatch.setenv("TANDEM_CONNECT", router.endpoint)
+    monkeypatch.setenv("TANDEM_SECURE", str(keys / "operator"))
+    assert refused(router.port, ssl._create_unverified_context())
+
+    def status() -> str:
+        return tandem_here(capsys, "status").stdout
+
+    eventually(lambda: "mock: the certificate of tiago.mock ends on" in status(), 60.0, status)
+    eventually(lambda: "router: refused connections: 1 (no certificate 1)" in status(), 60.0, status)
 
 
 def test_files_that_do_not_belong_together_are_not_taken_over(keys: Path, router: Routed) -> None:
