@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import socket
+import subprocess
 from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -23,6 +26,8 @@ from tests.support.wait import eventually
 
 pytestmark = pytest.mark.processes
 ROBOTS = ("tiago", "reem")
+ZENOHD = os.environ.get("TANDEM_ZENOHD", "")
+"""The standard router, held against the same cases where there is one."""
 WHILE = 3.0  # [s] for an answer; whoever may not ask waits for all of it
 
 
@@ -35,14 +40,45 @@ def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture(scope="module")
-def endpoint(keys: Path) -> Iterator[str]:
-    endpoint = f"tls/127.0.0.1:{free_port()}"
-    both = (option for robot in ROBOTS for option in ("--robot", robot))
+@pytest.fixture(
+    scope="module",
+    params=[
+        "options",
+        "file",
+        pytest.param("zenohd", marks=pytest.mark.skipif(not ZENOHD, reason="TANDEM_ZENOHD names no zenohd 1.10.2")),
+    ],
+)
+def endpoint(keys: Path, request: pytest.FixtureRequest) -> Iterator[str]:
+    """Where a router of the closed network listens: this project's, the same with the file that it prints, Zenoh's."""
+    port = free_port()
+    endpoint = f"tls/127.0.0.1:{port}"
+    both = [option for robot in ROBOTS for option in ("--robot", robot)]
+    options = ["--listen", endpoint, "--secure", f"{keys}/tiago/router", *both]
+    file = keys / f"{request.param}.json5"
     with Processes(keys) as processes:
-        router = processes.start("services.router", "--listen", endpoint, "--secure", f"{keys}/tiago/router", *both)
-        router.wait_for_output("listening", 60.0)
+        if request.param != "options":
+            printed = processes.start("services.router", *options, "--print-config")
+            assert printed.wait(60.0) == 0
+            file.write_text(printed.output)
+        if request.param == "zenohd":
+            processes.callback(ended, subprocess.Popen([ZENOHD, "-c", file], env={"RUST_LOG": "off"}))
+            eventually(lambda: listens(port), 60.0, "zenohd listens")
+        else:
+            router = processes.start(
+                "services.router", *(options if request.param == "options" else ("--config", str(file)))
+            )
+            router.wait_for_output("listening", 60.0)
         yield endpoint
+
+
+def ended(process: subprocess.Popen) -> None:
+    process.terminate()
+    process.wait()
+
+
+def listens(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
 def sessions(endpoint: str, keys: Path) -> Iterator[dict[str, zenoh.Session]]:
