@@ -60,7 +60,7 @@ class JournalEntry(Record):
     payload: str = of(Text(longest=4096, doc="value of the parameter of that name"))
     compensation: Compensation = of(RecordOf(record=Compensation))
     since: int | None = of(
-        Nullable(kind=Integer(unit="ns", doc="stamp of the sensor's sample with which measuring its bias began; null without a zero"))
+        Nullable("ns", "stamp of the sample with which measuring its bias began, null without a zero", kind=Integer())
     )
 
 

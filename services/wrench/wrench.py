@@ -235,7 +235,8 @@ class Wrench(Service[WrenchParameters]):
         """A run of the robot process that was not seen before, by a sample with this stamp [ns].
 
         At the start of this service the journal may know of it, or of a payload. A run that ends another ends the zero
-        with it: what is identified stays, with its bias for a first guess, and a tare, whose bias holds the weight too, is of no use.
+        with it: what is identified stays, with its bias for a first guess, and a tare, whose bias holds the weight too,
+        is of no use.
         """
         if self._session is None:
             entry = self._journal.recall(session, self.parameters.payload)
