@@ -22,6 +22,8 @@ LIMIT = 1.3
 """Largest ratio to the bare relay that the chain aims at."""
 LINKED = {100.0: 0.92, 500.0: 0.85}
 """Largest ratio of the medians, over direct links to through the router, by rate."""
+CLOSED = 1.15
+"""Largest ratio of the medians, with mutual TLS and access control to without."""
 TOGETHER = 4
 """Robots that share a router."""
 OVERRUN_SHARE = 1e-3
@@ -56,6 +58,7 @@ def _compared(rate: float, rounds: int, seconds: float) -> list[Row]:
     transports: dict[str, Measure] = {
         "chain": segments.chain,
         "linked": segments.linked,
+        "closed": segments.closed,
         "relay": segments.relay,
     }
     if not missing:
@@ -74,6 +77,13 @@ def _compared(rate: float, rounds: int, seconds: float) -> list[Row]:
                 f"{linked.quantile(share):.0f} us",
             )
             for name, share, limit in (("p50", 0.5, LINKED[rate]), ("p99", 0.99, 0.8))
+        ),
+        _ratio(
+            f"{title}, p50 on a closed network to that on an open one",
+            total["closed"].quantile(0.5),
+            chain.quantile(0.5),
+            CLOSED,
+            f"{total['closed'].quantile(0.5):.0f} us, open {chain.quantile(0.5):.0f} us",
         ),
         _against(title, "p50", 0.5, chain, relay),
         _against(title, "p99", 0.99, chain, relay),

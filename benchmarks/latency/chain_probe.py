@@ -1,4 +1,4 @@
-"""Source and sink: ``python -m benchmarks.latency.chain_probe <robot> <endpoint> <rate> <seconds> <links>``.
+"""Source and sink: ``python -m benchmarks.latency.chain_probe <robot> <endpoint> <rate> <seconds> <links> [<keys>]``.
 
 The mock robot with the real gate: its ``sensor/ft`` puts and the arrivals of ``command/ee_twist`` are timed on its bus.
 """
@@ -19,6 +19,7 @@ from shared.processes import LINKED
 from shared.topics import COMMAND_EE_TWIST, CONTROL_TARGET, ROBOT, SENSOR_FT, health_topic
 from shared.wire.bus import OnPayload, Work
 from shared.wire.client import Client
+from shared.wire.credentials import Credentials
 from shared.wire.links import links_of
 from shared.wire.zenoh import ZenohBus
 from tests.support.spoilt_bus import live
@@ -32,8 +33,9 @@ SERVICES = ("wrench", "controller")
 class TimedBus(ZenohBus):
     """A bus that notes when samples leave and commands arrive, in ns of the steady clock."""
 
-    def __init__(self, robot: str, endpoint: str, links: str) -> None:
-        super().__init__(robot, endpoint, links=links_of(ROBOT, LINKED, links, robot, endpoint))
+    def __init__(self, robot: str, endpoint: str, links: str, credentials: Credentials | None) -> None:
+        direct = links_of(ROBOT, LINKED, links, robot, endpoint)
+        super().__init__(robot, endpoint, links=direct, credentials=credentials)
         self.link()
         self.puts: list[int] = []
         self.arrivals: list[int] = []
@@ -60,9 +62,13 @@ class TimedBus(ZenohBus):
 def main() -> None:
     """Print the latencies [us] and the overruns in between as JSON."""
     rate, duration = float(sys.argv[3]), float(sys.argv[4])
-    bus, ended = TimedBus(sys.argv[1], sys.argv[2], sys.argv[5]), threading.Event()
+    # On a closed network nobody may aim but who has a certificate for it, and the robot has not.
+    keys = {name: Credentials.of(f"{sys.argv[6]}/{name}") if sys.argv[6:] else None for name in ("mock", "operator")}
+    name, endpoint, links, ended = sys.argv[1], sys.argv[2], sys.argv[5], threading.Event()
+    bus = TimedBus(name, endpoint, links, keys["mock"])
+    outside = ZenohBus(name, endpoint, credentials=keys["operator"]) if keys["operator"] else bus
     eventually(lambda: bus.living() >= set(SERVICES), PATIENCE, "wrench and controller run")
-    client, robot = Client(bus), MockRobot(MockParameters(rate=rate))
+    client, robot = Client(outside), MockRobot(MockParameters(rate=rate))
     health = {name: client.watch(health_topic(name)) for name in SERVICES}
     target = ControlTarget(robot.motors.position, (0.0, 0.0, 0.0, 1.0), np.full(3, 25.0), np.full(3, 10.0))
 
@@ -95,6 +101,8 @@ def main() -> None:
         for thread in threads:
             thread.join()
         bus.close()
+        if outside is not bus:
+            outside.close()
     printed(bus.puts, bus.arrivals, begin, end, overruns=late, first_command=first_command)
 
 

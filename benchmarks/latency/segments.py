@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import subprocess
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Self
 
 from benchmarks.latency.relay import ROBOT, TWIST_BYTES, WRENCH_BYTES
 from shared.wire.links import NONE, SOCKETS
+from tests.support.closed import make
 from tests.support.ports import free_endpoint, free_port
 from tests.support.processes import Process, Processes
 
@@ -21,6 +23,7 @@ LONGEST = 120.0
 """Time [s] within which a probe has to have ended."""
 RELAY, ROS = "benchmarks.latency.relay", "benchmarks.latency.ros"
 ROS_PYTHON = "/usr/bin/python3"
+_NAME = "robot{}"
 
 
 @dataclass
@@ -62,12 +65,19 @@ def _measured(probe: Process) -> Segment:
 
 
 @contextmanager
-def _started() -> Iterator[tuple[Processes, str]]:
-    """A router, and its endpoint."""
-    endpoint = free_endpoint()
+def _started(keys: Path | None = None) -> Iterator[tuple[Processes, str]]:
+    """A router, with certificates if there are any, and its endpoint."""
+    endpoint = f"tls/127.0.0.1:{free_port()}" if keys else free_endpoint()
     with TemporaryDirectory() as folder, Processes(Path(folder)) as processes:
-        processes.router(endpoint)
+        robots = ("--robot", _NAME.format(0)) if keys else ()
+        router = processes.start("services.router", "--listen", endpoint, *robots, *_secure(keys, "router"))
+        router.wait_for_output("listening", LONGEST)
         yield processes, endpoint
+
+
+def _secure(keys: Path | None, name: str) -> tuple[str, ...]:
+    """Options of a process that has a certificate, if there are any."""
+    return ("--secure", str(keys / name)) if keys else ()
 
 
 def chain(rate: float, seconds: float, links: str = NONE) -> Segment:
@@ -75,21 +85,30 @@ def chain(rate: float, seconds: float, links: str = NONE) -> Segment:
     return chains(rate, seconds, 1, links)[0]
 
 
-def chains(rate: float, seconds: float, count: int, links: str = NONE) -> list[Segment]:
+def chains(rate: float, seconds: float, count: int, links: str = NONE, keys: Path | None = None) -> list[Segment]:
     """As many robots with services of their own at one router, all at the same time."""
-    with _started() as (processes, endpoint):
+    with _started(keys) as (processes, endpoint):
         probes = []
-        for robot in (f"robot{number}" for number in range(count)):
+        for robot in map(_NAME.format, range(count)):
             for service in ("wrench", "controller"):
-                processes.start(f"services.{service}", "--robot", robot, "--connect", endpoint, "--links", links)
+                options = ("--robot", robot, "--connect", endpoint, "--links", links, *_secure(keys, service))
+                processes.start(f"services.{service}", *options)
             probe = ("benchmarks.latency.chain_probe", robot, endpoint, str(rate), str(seconds), links)
-            probes.append(processes.start(*probe))
+            probes.append(processes.start(*probe, *((str(keys),) if keys else ())))
         return [_measured(probe) for probe in probes]
 
 
 def linked(rate: float, seconds: float) -> Segment:
     """The real services over direct links."""
     return chain(rate, seconds, SOCKETS)
+
+
+def closed(rate: float, seconds: float) -> Segment:
+    """The real services through a real router, with mutual TLS and access control."""
+    with TemporaryDirectory() as folder:
+        with redirect_stdout(sys.stderr):
+            keys = make(Path(folder) / "keys", "--robot", _NAME.format(0))
+        return chains(rate, seconds, 1, keys=keys)[0]
 
 
 def started() -> float:

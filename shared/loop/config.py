@@ -55,7 +55,7 @@ def service_parser(service: str) -> OneLineParser:
     )
     parser.add_argument(
         "--links",
-        default=os.environ.get("TANDEM_LINKS", NONE),
+        default=os.environ.get("TANDEM_LINKS") or NONE,
         metavar="ENDPOINT",
         help="direct links to the other processes of the chain, which need them too: sockets, on one machine, or an "
         "endpoint with {name}, such as tcp/{name}:7448 (default none: all goes through the router)",

@@ -17,7 +17,7 @@ def listens(robot: str = "tiago", router: str = ROUTER) -> str:
 
 
 def test_of_each_two_the_later_one_dials_where_the_earlier_one_listens() -> None:
-    """Never both: a session with two connections does not survive that one end gives it up before the other."""
+    """Never both: of a session with two connections one end may give up both and the other only one."""
     links = [links_of(name, LINKED, SOCKETS, "tiago", ROUTER) for name in LINKED]
     listens: list[str] = []
     for own in links:
