@@ -180,7 +180,7 @@ def test_an_axis_that_leaps_to_the_end_of_its_range_is_saturated_and_one_that_dr
 
 def pushes(count: int) -> Array:
     """Pushes that come and go within a sample, with rest between them: their size (n, 1)."""
-    return np.where(np.arange(count) % 80 < 30, 20.0, 0.0)[:, None]
+    return np.where(np.arange(count) % 80 < 60, 20.0, 0.0)[:, None]
 
 
 @dataclass
@@ -225,7 +225,7 @@ def test_a_dead_zone_that_has_shown_is_told_with_its_width_and_one_that_is_decla
     for number, reading in enumerate(zone.readings):
         watch.update(reading, False, 0.01, STUCK_AFTER)
         declared.update(reading, False, 0.01, STUCK_AFTER, resolution=step)
-        if number < zone.before + 30:
+        if number < zone.before + 60:
             assert not watch.zones.any(), "not before it has come back"
     assert np.all(watch.zones[[0, 3]] >= 10.0 * NOISE[[0, 3]]) and np.count_nonzero(watch.zones) == 2
     assert "force x is at -3.7 N or at least" in watch.notes() and "`resolution`" in watch.notes()
