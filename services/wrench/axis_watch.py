@@ -29,6 +29,7 @@ LEAST_CHANGES = 0.5  # share of readings that change
 LEAST_SPREAD = 1.5  # steps in a change by noise: below it p depends on where within a step the load lies
 PER_SMALLER = 1.2  # mean change of white noise per mean of the smaller of two: 1.33, of coarse steps 1
 OUTLYING = 8.0  # changes by noise from its mean at which the outermost value of an axis is no noise any more
+LEAST_END = 0.1  # share of the declared range at which an undeclared end of it may be
 NEAREST = 3.0, 0.5  # changes by noise that it comes nearer than to any value without a dead zone; to one it began with
 NEAREST_STEPS = 2.0  # and steps
 
@@ -154,9 +155,14 @@ class AxisWatch:
         """Whether the value is that of a dead zone in which it rested before its noise was known."""
         return self.trusted and self.value == self.rest and self.zone() > 0.0
 
-    def outermost(self) -> bool:
-        """Whether it came to a value farther out than noise and than any other, as the end of a range is."""
-        far = abs(self.value - self.mean)
-        if self.readings < FEWEST_READINGS or far <= OUTLYING * self.scale or abs(self.value) <= abs(self.mean):
+    def outermost(self, limit: float) -> bool:
+        """Whether it came to a value farther out than noise and than any other, as the end of a range is.
+
+        In one leap a fault comes to any value: then it has to be a share of the declared ``limit`` at least.
+        """
+        far, out = abs(self.value - self.mean), abs(self.value)
+        if self.readings < FEWEST_READINGS or far <= OUTLYING * self.scale or out <= abs(self.mean):
+            return False
+        if far <= 2.0 * abs(self.step) and out < LEAST_END * limit:
             return False
         return self.value >= self.high if self.value > 0.0 else self.value <= self.low

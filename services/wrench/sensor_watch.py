@@ -100,7 +100,7 @@ class SensorWatch:
         stuck = [number for number, axis in enumerate(self._axes) if axis.stuck]
         if stuck:
             self._recovery = stuck_after
-            self._word, self.reason = self._of_stuck(stuck)
+            self._word, self.reason = self._of_stuck(stuck, sensor_range)
             return self._word
         self._recovery = max(0.0, self._recovery - dt)
         if self._recovery > 0.0:
@@ -137,8 +137,8 @@ class SensorWatch:
             "What acts along an axis that is not measured is not felt"
         )
 
-    def _of_stuck(self, stuck: list[int]) -> tuple[str, str]:
-        ends = [number for number in stuck if self._axes[number].outermost()]
+    def _of_stuck(self, stuck: list[int], limits: tuple[float, ...]) -> tuple[str, str]:
+        ends = [number for number in stuck if self._axes[number].outermost(limits[number])]
         if ends:
             return SATURATED, (
                 f"{_named(ends, self._axes)}, farther out than ever: the end of its range, or its cable? Less "
