@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from tests.support.processes import ROOT
-from tests.support.wait import eventually
 
 
 def unusable() -> str:
@@ -86,10 +85,3 @@ class Compose:
         """What the engine thinks of a service: such as "healthy", and what its last check said."""
         known = self.inspect(service, "State", "Health")
         return known["Status"], known["Log"][-1]["Output"] if known["Log"] else ""
-
-    def healthy(self, *services: str, within: float = 90.0) -> None:
-        """Waits until each of the services has said that it works."""
-        for name in services:
-            eventually(
-                lambda name=name: self.health(name)[0] == "healthy", within, lambda name=name: str(self.health(name))
-            )
