@@ -14,7 +14,7 @@ from benchmarks.honest.sensor_trial import SETTLED, Case, Trial
 from services.wrench.identification import IdentifiedPayload
 from services.wrench.parameters import WrenchParameters
 from services.wrench.storage import save_payload
-from shared.spatial import Array
+from shared.spatial import GRAVITY, Array
 
 Random = np.random.Generator
 
@@ -236,8 +236,27 @@ def dead_zone(random: Random) -> Case:
     sensor.bias = sensor.bias * 0.1
     if random.random() < 0.5:
         return Case(sensor, resolved(sensor, 2.0 * sensor.dead), either(random))
+    if random.random() < 0.5:
+        return _within(sensor, random)
     # Small forces after large ones let an axis repeat zero: that need not be known at once.
     return Case(sensor, how=either(random), sound=False, excuse=COARSE, then=_again, lulls=True)
+
+
+def _within(sensor: Sensor, random: Random) -> Case:
+    """A light tool that hides in a dead zone as a whole: nothing changes until it is pushed, nor long after."""
+    sensor.sigma = sensor.sigma * random.uniform(0.1, 1.0)
+    sensor.mass = random.uniform(0.05, 0.12) * sensor.dead[0] / GRAVITY
+    sensor.bias = random.uniform(-0.2, 0.2, 6) * sensor.dead
+    # Declared, since a tool of `tool_mass` would have to show when it turns.
+    return Case(sensor, {"tool_mass": 1.2 * sensor.mass}, then=_rest)
+
+
+def _rest(trial: Trial) -> None:
+    for _ in range(6):
+        trial.push(trial.some_push(), 0.5)
+    trial.run(8.0)
+    trial.use()
+    trial.run(3.0)
 
 
 def repeated(random: Random) -> Case:
