@@ -19,11 +19,12 @@ from shared.parameters import Parameters, Refused
 from shared.processes import LINKED, process_named
 from shared.service import Service
 from shared.topics import ROBOT
+from shared.wire.bus import Bus
 from shared.wire.credentials import Credentials
 from shared.wire.endpoint import BusError, check_endpoint
 from shared.wire.links import NoLinks, links_of
 from shared.wire.publisher import Publisher
-from shared.wire.renewal import Renewal
+from shared.wire.renewal import Lost, Renewal
 from shared.wire.zenoh import ZenohBus
 
 P = TypeVar("P", bound=Parameters)
@@ -75,7 +76,7 @@ def run(make: Callable[[P], Service], parameters: type[P], name: str, arguments:
         bus.link(give_up=lambda: stop.requested)
         if not stop.requested:
             loop = Loop(stop, door.gives_way)
-            remark = Renewal(credentials, keeps=links is not None).look if credentials else lambda: ""
+            remark = _remark(credentials, chosen.connect, bus, links is not None) if credentials else lambda: ""
             how = (stop.wake.set, loop.on_driver, _report, publisher, remark, tell)
             loop.run(Runner(service, bus, SteadyClock(), *how))
     except Occupied as problem:
@@ -162,6 +163,12 @@ class Loop:
         if now >= self._collects_at:
             gc.collect()
             self._collects_at = now + COLLECT_EVERY
+
+
+def _remark(credentials: Credentials, router: str, bus: Bus, listens: bool) -> Callable[[], str]:
+    """What is to be known of a process' certificate, asked now and then."""
+    looks = Renewal(credentials, keeps=listens).look, Lost(credentials, router, bus.connected).look
+    return lambda: "; ".join(filter(None, (look() for look in looks)))
 
 
 def _report(line: str) -> None:

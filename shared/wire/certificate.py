@@ -28,11 +28,13 @@ class Certificate:
         name: common name.
         begins: Unix time [s].
         ends: Unix time [s].
+        serial: number that its authority has given it.
     """
 
     name: str
     begins: float
     ends: float
+    serial: str = ""
 
     @property
     def end(self) -> str:
@@ -69,4 +71,4 @@ def read_certificate(authority: Path, certificate: Path, key: Path) -> Certifica
     said: Any = asking.getpeercert()
     names = [value for part in said["subject"] for kind, value in part if kind == "commonName"]
     begins, ends = (ssl.cert_time_to_seconds(said[what]) for what in ("notBefore", "notAfter"))
-    return Certificate("".join(names[:1]), begins, ends)
+    return Certificate("".join(names[:1]), begins, ends, said["serialNumber"])

@@ -5,10 +5,16 @@ Zenoh reads the files anew whenever it dials, and never again once it listens.
 
 from __future__ import annotations
 
+import threading
 import time
+from collections.abc import Callable
 
 from shared.wire.credentials import Credentials
 from shared.wire.endpoint import BusError
+
+_LOST_FOR = 2.0
+"""A connection that is back within this time [s] was not refused."""
+_ASK_EVERY = 10.0  # [s]
 
 
 class Renewal:
@@ -27,7 +33,7 @@ class Renewal:
         self._trouble = ""
 
     def renewed(self) -> bool:
-        """Whether the files are others than those taken over last, and can be used; then they are taken over."""
+        """Whether there is another certificate than the one taken over last, which can be used; it is taken over then."""
         stamp = self._credentials.stamp()
         if stamp == self._taken:
             return False
@@ -42,9 +48,11 @@ class Renewal:
         except BusError as problem:
             self._trouble = f"{problem}; what was there before is kept for now"
             return False
+        # Written anew, or with another file still to come, it may be the same.
+        another = own != self._own
         self._own, self._trouble = own, ""
         self._shown = self._shown if self._keeps else own
-        return True
+        return another
 
     def look(self) -> str:
         """What is to be known of the certificate after another look at the files, for who does not listen."""
@@ -57,8 +65,37 @@ class Renewal:
             return self._trouble
         shown, now = self._shown, time.time()
         remedy = f"make another one in {self._credentials.folder} with `tandem keys`"
-        if shown is not self._own:
+        if shown != self._own:
             remedy = "there is another one, start this process again to have it shown at its direct links"
         if shown.expired(now):
             return f"the certificate of {shown.name} expired on {shown.end}: {remedy}"
         return f"the certificate of {shown.name} ends on {shown.end}: {remedy}" if shown.ends_soon(now) else ""
+
+
+class Lost:
+    """Finds out why a router that there was does not take this process any more, such as after a revocation.
+
+    Args:
+        credentials: of the process.
+        router: its endpoint.
+        connected: whether there is a connection to it.
+    """
+
+    def __init__(self, credentials: Credentials, router: str, connected: Callable[[], bool]) -> None:
+        self._credentials, self._router, self._connected = credentials, router, connected
+        self._why = ""
+        self._due = 0.0
+
+    def look(self) -> str:
+        """Why there is no connection; empty if there is one, or if the reason is no certificate."""
+        now = time.monotonic()
+        if self._connected():
+            self._why, self._due = "", now + _LOST_FOR
+        elif now > self._due:
+            self._due = now + _ASK_EVERY
+            # Aside: it takes up to some seconds, and whoever asks has a robot to brake.
+            threading.Thread(target=self._ask, name="why lost", daemon=True).start()
+        return self._why
+
+    def _ask(self) -> None:
+        self._why = self._credentials.why_refused(self._router)

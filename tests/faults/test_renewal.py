@@ -197,6 +197,19 @@ def test_a_new_authority_revokes_all_that_the_old_one_has_signed(keys: Path, rou
             eventually(lambda: "refused connections" in said() and "seen from 127.0.0.1" in said(), 10.0, said)
 
 
+def test_a_process_that_runs_says_that_its_certificate_is_not_taken_any_more(
+    start: StartProcess, keys: Path, router: Routed, tmp_path: Path
+) -> None:
+    old = shutil.copytree(keys / "mock", tmp_path / "old")
+    mock = start("services.mock", "--connect", router.endpoint, "--secure", str(old))
+    with closing(enter(router.endpoint, keys / "operator")) as operator:
+        eventually(lambda: "mock" in operator.living(), 60.0, "the mock lives")
+    make(keys, "--revoke")
+    mock.wait_for_output(f"mock: the certificate of {router.endpoint} is refused here: ", 60.0)
+    assert "it is of another authority" in mock.output
+    mock.ends_in_time()
+
+
 def test_strangers_are_counted_by_reason_and_address(keys: Path, router: Routed, tmp_path: Path) -> None:
     who = strangers(keys, tmp_path)
     with closing(enter(router.endpoint, keys / "operator")) as operator:

@@ -67,3 +67,9 @@ def test_what_cannot_be_used_is_not_taken_over(place: Path) -> None:
     assert not renewal.renewed()
     assert renewal.renewed()
     assert renewal.remark() == ""
+
+
+def test_the_same_certificate_written_once_more_is_no_other_one(place: Path) -> None:
+    renewal = Renewal(Credentials(place))
+    shutil.copy(shutil.copy(place / "authority.pem", place / "copy"), place / "authority.pem")
+    assert not any(renewal.renewed() for _ in range(3))
