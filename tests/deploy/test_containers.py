@@ -5,8 +5,12 @@ Skipped by name where there are no containers; with TANDEM_CONTAINERS=required, 
 
 from __future__ import annotations
 
+import json
 import os
 import re
+import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,6 +25,7 @@ from tests.support.wait import eventually
 pytestmark = [pytest.mark.processes, pytest.mark.slow, pytest.mark.timeout(1500)]
 
 BY_ITSELF = [process.name for process in PROCESSES if process.started != "by hand"]
+INTRUDER = Path(__file__).with_name("intruder.py")
 PATIENCE = 60.0  # [s]
 SOMEBODY = 12345
 """Owner of the folder of reports, if the tests may choose one."""
@@ -51,6 +56,12 @@ def log(stack: Compose, service: str) -> str:
     return stack.do("logs", "--no-color", service)
 
 
+def alive(stack: Compose) -> bool:
+    """Whether everybody says how it is; a busy machine makes some degraded."""
+    said = re.findall(r"^(\w+) +(?:ok|starting|degraded)", stack.tandem("status").stdout, re.MULTILINE)
+    return set(said) >= {*BY_ITSELF} - {ROUTER.name}
+
+
 def moves(stack: Compose) -> bool:
     """Whether the robot may move now and then; what a busy machine has latched is released."""
     stack.tandem("resume")
@@ -59,6 +70,61 @@ def moves(stack: Compose) -> bool:
 
 def test_the_carry_begins_by_itself(stack: Compose) -> None:
     eventually(lambda: "approaching" in log(stack, "experiment"), PATIENCE, lambda: log(stack, "experiment"))
+
+
+def test_everybody_comes_with_a_certificate_and_sees_no_key_but_its_own(stack: Compose) -> None:
+    assert log(stack, "keys").count("made an authority, and certificates for router, sim, ") == 1
+    look = ("find", "/keys", "-type", "f", "-printf", "%p %u %m\\n")
+    for name in BY_ITSELF:
+        seen = sorted(stack.do("exec", "-T", name, *look).split("\n"))[1:]
+        modes = {"authority": 644, "certificate": 644, "key": 600}
+        assert seen == [f"/keys/{name}/{file}.pem {name} {mode}" for file, mode in modes.items()]
+    others = stack.run("run", "--rm", "-T", "--entrypoint", "find", "tandem", "/keys", "-name", "key.pem")
+    assert others.stdout.split() == ["/keys/operator/key.pem"]
+    assert "robot tiago on tls/router:7447" in stack.tandem("status").stdout
+
+
+def intrude(stack: Compose, endpoint: str, folder: Path) -> dict[str, bool]:
+    """What somebody achieves in a container of the same network who has a folder's certificates."""
+    mounts = ("-v", f"{INTRUDER}:/opt/tandem/intruder.py:ro", "-v", f"{folder}:/stranger:ro", "-u", str(os.getuid()))
+    command = ("--entrypoint", "python", "tandem", "-m", "intruder", endpoint, "/stranger")
+    done = stack.run("run", "--rm", "-T", *mounts, *command)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.fixture
+def strangers(stack: Compose, tmp_path: Path) -> dict[str, Path]:
+    """Folders of whoever has no certificate, one of a foreign authority, one that has ended; and a good one."""
+    folders = {name: tmp_path / name for name in ("nobody", "foreign", "expired", "operator")}
+    for folder in folders.values():
+        folder.mkdir()
+    for name, days in (("expired", "0"), ("operator", "1")):
+        options = ("--only", "operator", "--into", "/stranger", "--days", days)
+        stack.do("run", "--rm", "-T", "-v", f"{folders[name]}:/stranger", "keys", *options)
+    foreign = [sys.executable, "-m", "services.cli", "keys", str(tmp_path / "keys"), "--only", "operator"]
+    subprocess.run(foreign, check=True, capture_output=True)
+    shutil.copytree(tmp_path / "keys" / "operator", folders["foreign"], dirs_exist_ok=True)
+    for name in ("nobody", "foreign"):
+        # The authority's certificate is no secret: they take the router for the right one.
+        shutil.copy(folders["operator"] / "authority.pem", folders[name])
+    return folders
+
+
+def test_a_stranger_in_the_network_is_refused_and_nothing_moves(stack: Compose, strangers: dict[str, Path]) -> None:
+    stack.tandem("resume")
+    for endpoint, name in (
+        ("tcp/router:7447", "operator"),
+        *(("tls/router:7447", name) for name in ("nobody", "foreign", "expired")),
+    ):
+        achieved = intrude(stack, endpoint, strangers[name])
+        assert not any(achieved.values()), (endpoint, name, achieved)
+        assert stack.newest("state/robot")[0]["mode"] != "stopped"
+    for reason in ("no TLS", "no certificate", "of another authority", "expired"):
+        assert re.search(rf"refused a connection.*: {reason}", log(stack, "router"))
+    assert intrude(stack, "tls/router:7447", strangers["operator"]) == {"router": True, "heard": True, "answered": True}
+    assert stack.newest("state/robot")[0]["mode"] == "stopped"
+    assert stack.tandem("resume").returncode == 0
 
 
 def test_another_experiment_is_played_and_its_report_is_its_reader_s(stack: Compose, runs: Path) -> None:
@@ -114,12 +180,23 @@ def test_what_was_tared_outlives_a_killed_process_but_not_the_robot(stack: Compo
 def test_a_process_that_dies_is_restarted_and_everybody_works(stack: Compose) -> None:
     stack.run("exec", "-T", "base", "python", "-c", "import os; os.kill(1, 15)")
     eventually(lambda: stack.inspect("base", "RestartCount") == 1, PATIENCE, "the engine restarts it")
+    eventually(lambda: alive(stack), PATIENCE, lambda: stack.tandem("status").stdout)
 
-    def alive() -> set[str]:
-        """Who says how it is; a busy machine makes some degraded."""
-        return set(re.findall(r"^(\w+) +(?:ok|degraded)", stack.tandem("status").stdout, re.MULTILINE))
 
-    eventually(lambda: alive() >= {*BY_ITSELF} - {ROUTER.name}, PATIENCE, lambda: stack.tandem("status").stdout)
+def test_new_keys_are_taken_and_old_ones_refused_after_a_theft(stack: Compose, strangers: dict[str, Path]) -> None:
+    stack.do("up", "-d")
+    assert "nothing to do for router, sim" in log(stack, "keys").splitlines()[-1]
+    assert "router (was asked for)" in stack.do("run", "--rm", "-T", "keys", "--renew", "--only", "router")
+    eventually(lambda: "listening anew" in log(stack, "router"), PATIENCE, "the router takes its new one over")
+    eventually(lambda: alive(stack), PATIENCE, "all are back")
+    assert "made an authority" in stack.do("run", "--rm", "-T", "keys", "--revoke")
+    eventually(lambda: log(stack, "router").count("listening anew") == 2, PATIENCE, "the router takes its new one over")
+    eventually(lambda: alive(stack), PATIENCE, "all are back, with new ones")
+    assert not any(intrude(stack, "tls/router:7447", strangers["operator"]).values())
+    stack.do("down")
+    stack.do("up", "-d", *BY_ITSELF)
+    assert "nothing to do for router, sim" in log(stack, "keys").splitlines()[-1]
+    eventually(lambda: alive(stack), PATIENCE, "it comes up with the keys that are there")
 
 
 def test_everybody_ends_by_itself_within_two_seconds(stack: Compose) -> None:
