@@ -33,7 +33,7 @@ class Renewal:
         self._trouble = ""
 
     def renewed(self) -> bool:
-        """Whether there is another certificate than the one taken over last, which can be used; it is taken over then."""
+        """Whether there is another certificate than the last one, which can be used; it is taken over then."""
         stamp = self._credentials.stamp()
         if stamp == self._taken:
             return False
