@@ -14,7 +14,7 @@ from services.controller.parameters import ControllerParameters
 from services.experiment.play.course import Ask, Run
 from services.experiment.play.player import Answered
 from services.experiment.play.process import Compose
-from services.experiment.play.recording import Recording
+from services.experiment.play.recording import END, RUN, Recording
 from services.experiment.spec import Experiment
 from services.sim.camera.head_camera import DirectRendering, Rendering
 from services.sim.camera.view import Scenery
@@ -29,7 +29,9 @@ from shared.loop.runner import Runner
 from shared.loop.stack import Stack
 from shared.service import Service
 from shared.wire.codec import decode_map, encode_map
+from shared.wire.log import Heard, write_log
 
+_BUS = "in-process, simulated time"
 LATENCY = 0.0005  # [s] of every message, about what the router takes
 LONGEST = 240.0  # [s] of simulated time for one run, settling included
 
@@ -77,6 +79,7 @@ class Staged(Together):
 
     Attributes:
         player: of the run.
+        heard: what it recorded.
 
     Args:
         compose: makes the player.
@@ -89,8 +92,12 @@ class Staged(Together):
         self, compose: Compose, run: Run, folder: Path, rendering: Callable[[Scenery], Rendering] = DirectRendering
     ) -> None:
         super().__init__(run, folder, rendering)
-        self.player = compose(self.stack.bus, self.stack.scheduler.clock, self._ask)
+        self.heard: list[Heard] = []
+        self.player = compose(self.stack.bus, self.stack.scheduler.clock, self._ask, self._take)
         self.stack.add(self.player)
+
+    def _take(self, key: str, arrival_ns: int, payload: bytes) -> None:
+        self.heard.append(Heard(key, arrival_ns, bytes(payload)))
 
     def _ask(self, ask: Ask, answered: Answered) -> None:
         served = self.stack.bus.query_later(
@@ -101,9 +108,12 @@ class Staged(Together):
 
 
 def play_run(
-    experiment: Experiment, run: Run, rendering: Callable[[Scenery], Rendering] = DirectRendering
+    experiment: Experiment,
+    run: Run,
+    rendering: Callable[[Scenery], Rendering] = DirectRendering,
+    path: Path | None = None,
 ) -> Recording:
-    """Plays one run in simulated time.
+    """Plays one run in simulated time; what was heard goes to a file, too, if one is named.
 
     Raises:
         services.experiment.play.course.Failed: the experiment could not be completed.
@@ -114,4 +124,6 @@ def play_run(
         staged.stack.run(LONGEST, done=lambda: staged.player.finished)
     if not staged.player.finished:
         raise TimeoutError(f"{run.name}: still {staged.player.course.phase} after {LONGEST:g} s of simulated time")
-    return staged.player.recording(bus="in-process, simulated time")
+    if path is not None:
+        write_log(path, {"bus": _BUS}, staged.heard, **{RUN: staged.player.about(), END: staged.player.end()})
+    return Recording.of(staged.player.about(bus=_BUS), staged.heard, staged.player.end())

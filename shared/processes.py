@@ -111,11 +111,21 @@ EXPERIMENT = Process(
     settable=False,
     options=("play", "load", "--run", "certified-100", "--out", "{folder}", *ON_THE_BUS),
 )
+RECORDER = Process(
+    "recorder",
+    "writes all that is said to the disk, in MCAP",
+    "by hand",
+    image="tools",
+    extra="recorder",
+    service=False,
+    settable=False,
+    options=(*ON_THE_BUS, "--out", "{folder}"),
+)
 CLI = Process(
     "cli", "the command `tandem`", "by hand", image="cli", extra="cli", service=False, settable=False, options=()
 )
 
-PROCESSES = (ROUTER, SIM, MOCK, WRENCH, CONTROLLER, BASE, TASK, EXPERIMENT, CLI)
+PROCESSES = (ROUTER, SIM, MOCK, WRENCH, CONTROLLER, BASE, TASK, EXPERIMENT, RECORDER, CLI)
 """In the order in which people are shown them."""
 SERVICES = tuple(process.name for process in PROCESSES if process.service)
 """Whoever has health, a liveliness token and a table in a configuration file."""

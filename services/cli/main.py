@@ -14,6 +14,7 @@ from services.cli.common import USAGE
 from services.cli.hold import hold
 from services.cli.identify import identify
 from services.cli.keys import keys
+from services.cli.record import export, record
 from services.cli.status import status
 from services.cli.stop import resume, stop
 from services.cli.up import start, up
@@ -45,6 +46,8 @@ commands.command(context_settings=NUMBERS)(requests.fault)
 commands.command()(requests.reset)
 commands.command()(certify)
 commands.command()(keys)
+commands.command()(record)
+commands.command()(export)
 
 
 def app(arguments: Sequence[str] | None = None) -> NoReturn:

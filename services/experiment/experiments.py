@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from services.experiment.carry.carry import CARRY
 from services.experiment.load.load import LOAD
-from services.experiment.play.recording import RECORDING, Recording
+from services.experiment.play.recording import RECORDING, Recording, told
 from services.experiment.spec import Experiment
 
 if TYPE_CHECKING:
@@ -29,12 +29,13 @@ def report(folder: Path, commands: Sequence[str] = ()) -> Report:
         ValueError: a recording is damaged, or no run was played to the end.
     """
     # What draws takes its time to be imported.
-    from services.experiment.report.report import write
+    from services.experiment.report.report import recorded, write
 
-    recorded = sorted(folder.glob(f"*/{RECORDING}"))
-    if not recorded:
+    first = next(iter(sorted(folder.glob(f"*/{RECORDING}"))), None)
+    if first is None:
         raise FileNotFoundError(f"{folder}: no recording of any run")
-    return write(_played(recorded[0], Recording.load(recorded[0])), folder, commands)
+    experiment = _played(first)
+    return write(experiment, recorded(experiment, folder), folder, commands)
 
 
 def film(folder: Path) -> Path:
@@ -47,14 +48,14 @@ def film(folder: Path) -> Path:
     """
     from services.sim.film.film import FILM, render
 
-    recording = Recording.load(folder / RECORDING)
-    render(_played(folder / RECORDING, recording).film_data(recording), folder)
+    path = folder / RECORDING
+    render(_played(path).film_data(Recording.load(path)), folder)
     return folder / FILM
 
 
-def _played(path: Path, recording: Recording) -> Experiment:
+def _played(path: Path) -> Experiment:
     """The experiment that a recording is of."""
-    name = recording.meta.get("experiment")
+    name = told(path).get("experiment")
     if name not in EXPERIMENTS:
         raise ValueError(f"{path}: of experiment {name!r}, known are {', '.join(EXPERIMENTS)}")
     return EXPERIMENTS[name]

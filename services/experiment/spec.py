@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from services.experiment.measure.claim import Claim, Table
 from services.experiment.play.course import Ask, Course, Run
-from services.experiment.play.player import Answered, Player
+from services.experiment.play.player import Answered, OnHeard, Player
 from services.experiment.play.recording import Recording
 from shared.clock import Clock
 from shared.messages import ControlTarget
@@ -101,6 +101,6 @@ class Experiment:
         """The run of these that a film is made of."""
         return next((run for run in runs if run.name == self.filmed), runs[0])
 
-    def player(self, run: Run, bus: Bus, clock: Clock, ask: Callable[[Ask, Answered], None]) -> Player:
+    def player(self, run: Run, bus: Bus, clock: Clock, ask: Callable[[Ask, Answered], None], record: OnHeard) -> Player:
         """The service that plays a run."""
-        return Player(self.course(run), self.target, {"experiment": self.name, **self.meta}, bus, clock, ask)
+        return Player(self.course(run), self.target, {"experiment": self.name, **self.meta}, bus, clock, ask, record)

@@ -6,27 +6,24 @@ to ask a query differs, since nobody may wait inside simulated time.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
 from services.experiment.play.course import Ask, Course, Failed
 from services.experiment.play.observation import INPUTS, Observation
-from services.experiment.play.recording import Recorder, Recording
+from services.recorder.topics import everything
 from shared import topics
 from shared.clock import Clock, seconds
 from shared.messages import ControlTarget
 from shared.parameters import Parameters
-from shared.processes import FURTHER, STACK
 from shared.service import Inputs, Output, Service, Wiring
-from shared.topics import Topic, health_topic
 from shared.wire.bus import Bus, OnPayload
 
 PERIOD = 0.1  # [s] of a step, and between two `control/target`
 Answered = Callable[[dict[str, Any]], None]
-RECORDED: tuple[Topic, ...] = (
-    *(topic for topic in topics.TOPICS if topic is not topics.SENSOR_CAMERA),
-    *(health_topic(name) for name in (*STACK, *FURTHER)),
-)
+OnHeard = Callable[[str, int, bytes], None]
+"""Takes key, steady clock [ns] and payload of what was heard, from any thread, and returns at once."""
 
 
 class Player(Service[Parameters]):
@@ -39,6 +36,7 @@ class Player(Service[Parameters]):
         bus: where everything is recorded from.
         clock: the clock of the recording.
         ask: sends a request without waiting; the answer (a map with `ok`) may be handed over from any thread.
+        record: is given everything.
     """
 
     max_delay = 1.0
@@ -51,6 +49,7 @@ class Player(Service[Parameters]):
         bus: Bus,
         clock: Clock,
         ask: Callable[[Ask, Answered], None],
+        record: OnHeard,
     ) -> None:
         self.wiring = Wiring(
             "experiment", driver=PERIOD, optional=INPUTS, shares=() if target is None else (topics.CONTROL_TARGET,)
@@ -61,9 +60,9 @@ class Player(Service[Parameters]):
         self._meta = meta
         self._clock = clock
         self._ask = ask
-        self._recorder = Recorder()
-        for topic in RECORDED:
-            bus.subscribe(topic.key, self._listener(topic))
+        # Pictures only where the task has them taken anyway.
+        for topic in everything(camera=topics.TASK_STATUS.publisher in course.run.further):
+            bus.subscribe(topic.key, self._listener(topic.key, record))
 
     def step(self, inputs: Inputs, dt: float) -> list[Output]:
         """Advances the course and repeats the target.
@@ -86,10 +85,10 @@ class Player(Service[Parameters]):
         """Whether the run is complete."""
         return self.course.done
 
-    def recording(self, **meta: Any) -> Recording:
-        """Everything heard, on the protocol's clock; `meta` is added to what describes the run."""
+    def about(self, **meta: Any) -> dict[str, Any]:
+        """What the run is; `meta` is said besides."""
         run = self.course.run
-        described = {
+        return {
             "name": run.name,
             "title": run.title,
             "law": run.law,
@@ -98,8 +97,11 @@ class Player(Service[Parameters]):
             **self._meta,
             **meta,
         }
-        start = self.course.start
-        return self._recorder.finish(described, self.course.events, 0.0 if start is None else start)
 
-    def _listener(self, topic: Topic) -> OnPayload:
-        return lambda payload: self._recorder.heard(topic, self.now(), payload)
+    def end(self) -> dict[str, Any]:
+        """What took place: where the protocol's clock starts, and events, on the recording's clock [s]."""
+        events = [dataclasses.astuple(event) for event in self.course.events]
+        return {"start": self.course.start or 0.0, "events": events}
+
+    def _listener(self, key: str, record: OnHeard) -> OnPayload:
+        return lambda payload: record(key, self._clock.now_ns(), payload)

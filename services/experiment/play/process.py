@@ -8,11 +8,13 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from services.experiment.play.course import ANSWER_WITHIN, Ask, Failed
-from services.experiment.play.player import Answered, Player
-from services.experiment.play.recording import RECORDING
+from services.experiment.play.player import Answered, OnHeard, Player
+from services.experiment.play.recording import END, RECORDING, RUN
 from shared import topics
 from shared.clock import Clock, SteadyClock, seconds
 from shared.loop.door import SECOND, Door, Occupied
@@ -23,14 +25,15 @@ from shared.wire.bus import Bus, NoReply
 from shared.wire.client import Client
 from shared.wire.credentials import Credentials
 from shared.wire.endpoint import BusError
+from shared.wire.log import LogWriter
 from shared.wire.publisher import Publisher
 from shared.wire.subscription import Subscription
 from shared.wire.zenoh import ZenohBus
 
-INCOMPLETE = "incomplete.npz"
-"""What was recorded of a run that was not played to the end: nothing is judged by it."""
-Compose = Callable[[Bus, Clock, Callable[[Ask, Answered], None]], Player]
-"""Makes a player of a bus, a clock, and how to send a request without waiting."""
+UNFINISHED = "unfinished.mcap"
+"""Name of a recording whose run has not been played to its end: nothing is judged by it."""
+Compose = Callable[[Bus, Clock, Callable[[Ask, Answered], None], OnHeard], Player]
+"""Makes a player of a bus, a clock, how to send a request without waiting, and what is given everything heard."""
 
 
 def play(compose: Compose, robot: str, connect: str, folder: Path, as_json: bool) -> int:
@@ -63,24 +66,47 @@ def play(compose: Compose, robot: str, connect: str, folder: Path, as_json: bool
     try:
         client = Client(bus)
         Door(bus, "experiment", client.publisher.session, f"as {robot} on {connect}").enter(lambda: stop.requested)
-        player = compose(bus, client.clock, lambda ask, answered: _ask_aside(client, ask, answered))
-        progress = Progress(as_json, client.watch(topics.TASK_STATUS))
-        reason = _conduct(player, bus, client.publisher, stop, progress)
-        if stop.requested:
-            # A broken-off run proves nothing, and writing a long recording takes longer than a signal allows.
-            return 0
-        recording = player.recording(
-            date=time.strftime("%Y-%m-%d %H:%M"), bus=f"Zenoh, router at {connect}", cores=os.cpu_count()
-        )
-        recording.save(folder / (INCOMPLETE if reason else RECORDING))
+        about = {
+            "robot": robot,
+            "bus": f"Zenoh, router at {connect}",
+            "date": time.strftime("%Y-%m-%d %H:%M"),
+            "cores": os.cpu_count(),
+        }
+        reason = _recorded(compose, client, folder, about, stop, as_json)
     except Occupied as problem:
         print(f"experiment: {problem}", file=sys.stderr, flush=True)
         return SECOND
     finally:
         bus.close()
     if reason:
-        print(f"experiment: {player.course.run.name}: {reason}", file=sys.stderr, flush=True)
+        print(f"experiment: {folder.name}: {reason}", file=sys.stderr, flush=True)
     return 1 if reason else 0
+
+
+def _recorded(
+    compose: Compose, client: Client, folder: Path, about: dict[str, Any], stop: StopRequest, as_json: bool
+) -> str:
+    """Plays and records; returns why the run was not completed, empty if it was or had to stop.
+
+    Raises:
+        OSError: nothing can be written.
+    """
+    unfinished = folder / UNFINISHED
+    unfinished.unlink(missing_ok=True)
+    log = LogWriter(unfinished, about)
+    try:
+        player = compose(client.bus, client.clock, partial(_ask_aside, client), log.take)
+        log.note(RUN, player.about())
+        progress = Progress(as_json, client.watch(topics.TASK_STATUS))
+        reason = _conduct(player, client.bus, client.publisher, stop, progress)
+        log.note(END, player.end())
+    finally:
+        log.close()
+    if log.problem or log.lost:
+        return log.problem or f"{log.lost} of {log.heard} messages could not be written in time to {folder}"
+    if not reason and not stop.requested:
+        unfinished.replace(folder / RECORDING)
+    return reason
 
 
 def _conduct(player: Player, bus: Bus, publisher: Publisher, stop: StopRequest, progress: Progress) -> str:

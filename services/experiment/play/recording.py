@@ -10,20 +10,22 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
-import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import NoneType
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
-from shared.topics import Topic, topic_by_key
+from shared.clock import seconds
+from shared.topics import SENSOR_CAMERA, Topic, topic_by_key
 from shared.wire.codec import Rejected, decode
+from shared.wire.log import ABOUT, Heard, Log, NoRecording
 
-RECORDING = "recording.npz"  # its name in the folder of a run
+RECORDING = "recording.mcap"  # its name in the folder of a run
+RUN, END = "run", "end"
+"""What a run's player says of it at the beginning, and when it has been played."""
 Columns = dict[str, np.ndarray]
 
 
@@ -75,32 +77,52 @@ class Recording:
             raise KeyError(f"{key} was not heard in this run; heard: {', '.join(self.topics) or 'nothing'}")
         return self.topics[key]
 
-    def save(self, path: Path) -> None:
-        """Writes everything to one compressed .npz file, which `load` reads back."""
-        arrays = {f"{key}|{name}": values for key, columns in self.topics.items() for name, values in columns.items()}
-        events = [dataclasses.asdict(event) for event in self.events]
-        arrays["meta"] = np.array(json.dumps({"meta": self.meta, "events": events}))
-        np.savez_compressed(path, allow_pickle=False, **arrays)
+    @classmethod
+    def of(cls, about: Mapping[str, Any], heard: Iterable[Heard], end: Mapping[str, Any]) -> Recording:
+        """What was heard, as arrays; what is no message of its topic is left out and counted in `meta["rejected"]`.
+
+        Args:
+            about: what the run was, as its player says at the beginning.
+            heard: in the order of arrival.
+            end: what its player says at the end: `start` [s], events.
+        """
+        start = end["start"]
+        found: dict[str, list[tuple[float, dict[str, Any]]]] = {}
+        rejected: dict[str, int] = {}
+        for key, arrival, payload in heard:
+            topic = topic_by_key(key)
+            if topic is None or topic is SENSOR_CAMERA:
+                continue
+            plain = _plain(topic, payload)
+            if plain is None:
+                rejected[key] = rejected.get(key, 0) + 1
+            else:
+                found.setdefault(key, []).append((seconds(arrival) - start, plain))
+        topics: dict[str, Columns] = {}
+        for key, rows in sorted(found.items()):
+            topics[key] = {"time": np.array([time for time, _ in rows])}
+            for name in rows[0][1]:
+                column = "message_time" if name == "time" else name
+                topics[key] |= _columns(column, [plain[name] for _, plain in rows])
+        events = [Event(time - start, name, detail) for time, name, detail in end["events"]]
+        return cls({**about, "rejected": rejected}, events, topics)
 
     @classmethod
     def load(cls, path: Path) -> Recording:
-        """Reads a file written by `save`.
+        """Reads the recording of a run.
 
         Raises:
             FileNotFoundError: there is none.
-            ValueError: it is damaged or no recording.
+            ValueError: it is damaged, no recording, or of a run that was not played to its end.
         """
-        topics: dict[str, Columns] = {}
         try:
-            with np.load(path, allow_pickle=False) as archive:
-                head = json.loads(str(archive["meta"]))
-                for entry in archive.files:
-                    if entry != "meta":
-                        key, name = entry.split("|", 1)
-                        topics.setdefault(key, {})[name] = archive[entry]
-        except (BadZipFile, EOFError, KeyError, ValueError, zlib.error) as problem:
-            raise ValueError(f"{path} is damaged or no recording ({problem}): play the run again") from None
-        return cls(head["meta"], [Event(**event) for event in head["events"]], topics)
+            log = Log(path)
+            heard = list(log)
+        except NoRecording as problem:
+            raise ValueError(f"{problem}: play the run again") from None
+        if not {RUN, END} <= log.about.keys():
+            raise ValueError(f"{path}: the run was not played to its end: play it again")
+        return cls.of({**log.about[ABOUT], **log.about[RUN]}, heard, log.about[END])
 
     def write_csv(self, folder: Path) -> list[Path]:
         """One CSV file per topic and one of the events; vectors are spread as `force.0, force.1, ...`."""
@@ -113,37 +135,11 @@ class Recording:
         return [*written, _write(folder / "events.csv", ("time", "event", "detail"), events)]
 
 
-class Recorder:
-    """Keeps payloads as they arrive, at the cost of one list append each; `finish` turns them into arrays."""
-
-    def __init__(self) -> None:
-        """Starts empty."""
-        self._heard: dict[str, list[tuple[float, bytes]]] = {}
-
-    def heard(self, topic: Topic, time: float, payload: bytes) -> None:
-        """Takes a payload of a topic that arrived at `time` [s]."""
-        # As mere bytes: what a payload was encoded from takes several times its memory.
-        self._heard.setdefault(topic.key, []).append((time, bytes(payload)))
-
-    def finish(self, meta: dict[str, Any], events: list[Event], start: float) -> Recording:
-        """Everything heard so far, with times and events counted from `start` [s].
-
-        What is no message of its topic is left out and counted in `meta["rejected"]`.
-        """
-        topics: dict[str, Columns] = {}
-        rejected: dict[str, int] = {}
-        for key, heard in sorted((key, list(heard)) for key, heard in self._heard.items()):
-            topic = topic_by_key(key)
-            assert topic is not None
-            sound = [(time, plain) for time, payload in heard if (plain := _plain(topic, payload)) is not None]
-            if len(sound) < len(heard):
-                rejected[key] = len(heard) - len(sound)
-            topics[key] = {"time": np.array([time for time, _ in sound]) - start}
-            for name in sound[0][1] if sound else ():
-                column = "message_time" if name == "time" else name
-                topics[key] |= _columns(column, [plain[name] for _, plain in sound])
-        shifted = [Event(event.time - start, event.name, event.detail) for event in events]
-        return Recording(meta | {"rejected": rejected}, shifted, topics)
+def told(path: Path) -> dict[str, Any]:
+    """What the player of a recorded run says of it at the beginning; FileNotFoundError and ValueError as `load`."""
+    log = Log(path)
+    next(iter(log), None)
+    return log.about.get(RUN, {})
 
 
 def _plain(topic: Topic, payload: bytes) -> dict[str, Any] | None:

@@ -27,7 +27,7 @@ class Page:
         figures: SVG or PNG files with captions; they are embedded.
         films: what stands at the top, with captions; a picture is embedded, a film linked.
         facts: about all runs.
-        files: CSV files of each run, which are linked.
+        files: of each run, which are linked.
         notes: how to read it.
         commands: how it was run.
         settings: run -> service -> parameter -> value; the services' defaults hold for the rest.

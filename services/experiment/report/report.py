@@ -42,19 +42,13 @@ class Report:
         return not self.unfinished and all(claim.passed for claim in self.claims)
 
 
-def write(experiment: Experiment, folder: Path, commands: Sequence[str] = ()) -> Report:
-    """Builds the report of all runs of an experiment recorded under a folder, one subfolder each.
-
-    Args:
-        experiment: that was played.
-        folder: where the runs lie and the page goes.
-        commands: how they were run, for the page.
+def recorded(experiment: Experiment, folder: Path) -> dict[str, Recording]:
+    """Recordings of the runs of an experiment, which lie in subfolders of their names.
 
     Raises:
-        FileNotFoundError: there is no recording.
-        ValueError: no run was played to the end.
+        FileNotFoundError: there is none.
+        ValueError: one is damaged.
     """
-    account = experiment.account
     recordings = {
         run.name: Recording.load(folder / run.name / RECORDING)
         for run in experiment.known
@@ -62,6 +56,24 @@ def write(experiment: Experiment, folder: Path, commands: Sequence[str] = ()) ->
     }
     if not recordings:
         raise FileNotFoundError(f"{folder}: no recording of any run: choose {experiment.choice}")
+    return recordings
+
+
+def write(
+    experiment: Experiment, recordings: Mapping[str, Recording], folder: Path, commands: Sequence[str] = ()
+) -> Report:
+    """Builds the report of runs of an experiment.
+
+    Args:
+        experiment: that was played.
+        recordings: of the runs, by name.
+        folder: that the page goes to, beside what the runs have left in subfolders of their names.
+        commands: how they were run, for the page.
+
+    Raises:
+        ValueError: no run was played to the end.
+    """
+    account = experiment.account
     measured, unfinished = {}, []
     for name, recording in recordings.items():
         try:
@@ -93,7 +105,7 @@ def write(experiment: Experiment, folder: Path, commands: Sequence[str] = ()) ->
             if (folder / name / film).exists()
         ],
         facts={**_origin(recordings), **account.facts},
-        files={name: recording.write_csv(folder / name / "csv") for name, recording in recordings.items()},
+        files={name: [folder / name / RECORDING] for name in recordings},
         notes=[*problems, *account.notes(measured)],
         commands=commands,
         settings={name: recording.meta["settings"] for name, recording in recordings.items()},

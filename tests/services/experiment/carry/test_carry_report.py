@@ -16,29 +16,23 @@ from services.experiment.carry.carry_figures import parts
 from services.experiment.carry.carry_measures import measure
 from services.experiment.carry.carry_tables import tables
 from services.experiment.experiments import report
-from services.experiment.main import main
-from services.experiment.play.recording import RECORDING, Recording
+from services.experiment.play.recording import Recording
+from services.experiment.report.report import write
 from tests.services.experiment.carry import defects
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
-
-
-def put(folder: Path, name: str, recording: Recording) -> None:
-    (folder / name).mkdir(parents=True)
-    renamed = copy.deepcopy(recording)
-    renamed.meta |= {"name": name, "law": name.partition("-")[0]}
-    renamed.save(folder / name / RECORDING)
 
 
 @pytest.fixture(scope="module")
 def folder(carried: Recording, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two runs; the paper's is the same recording under another name."""
     path = tmp_path_factory.mktemp("report")
-    put(path, "certified-omni", carried)
-    put(path, "paper-omni", carried)
+    paper = copy.deepcopy(carried)
+    paper.meta |= {"name": "paper-omni", "law": "paper"}
+    (path / "certified-omni").mkdir()
     (path / "certified-omni" / "strip.png").write_bytes(b"strip")
     (path / "certified-omni" / "scene.mp4").write_bytes(b"film")
-    assert main(["report", str(path), "--ran", "tandem run carry <here>"]) == 0
+    assert write(CARRY, {"certified-omni": carried, "paper-omni": paper}, path, ["tandem run carry <here>"]).good
     return path
 
 
@@ -102,8 +96,7 @@ def test_a_carry_that_was_dropped_fails_the_command_and_is_drawn_all_the_same(
 ) -> None:
     dropped = copy.deepcopy(carried)
     defects.lost(dropped)
-    put(tmp_path, "certified-omni", dropped)
-    assert main(["report", str(tmp_path)]) == 1
+    assert not write(CARRY, {"certified-omni": dropped}, tmp_path).good
     assert "✗ fail" in (tmp_path / "index.html").read_text()
 
 

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from benchmarks.experiment_stack import play_run
 from services.experiment.load.load import LOAD
-from services.experiment.play.recording import Recording
+from services.experiment.play.recording import RECORDING, Recording
 
 
 @pytest.fixture(scope="session")
-def played() -> Recording:
-    """certified-100; whoever changes it copies it first."""
-    return play_run(LOAD, LOAD.run_named("certified-100"))
+def played_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """certified-100, as its player records it."""
+    path = tmp_path_factory.mktemp("played") / RECORDING
+    play_run(LOAD, LOAD.run_named("certified-100"), path=path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def played(played_file: Path) -> Recording:
+    """Whoever changes it copies it first."""
+    return Recording.load(played_file)

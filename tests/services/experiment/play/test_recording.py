@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from services.experiment.play.recording import Event, Recorder, Recording
+from services.experiment.play.recording import Recording
 from shared import topics
+from shared.clock import nanoseconds
 from shared.messages import Header, Health, InputHealth, JointState
 from shared.schema.records import Record
 from shared.sim_messages import BagState, SimWorld
 from shared.wire.codec import decode_map, encode, encode_map
+from shared.wire.log import Heard, write_log
 
 
 def payload(message: Record, seq: int = 0) -> bytes:
@@ -24,28 +26,39 @@ def world(time: float, bag: BagState | None) -> bytes:
     return payload(SimWorld(time, None, bag, None, np.zeros(3), False))
 
 
-@pytest.fixture
-def recording() -> Recording:
-    recorder = Recorder()
-    recorder.heard(topics.SIM_WORLD, 10.0, world(0.5, None))
-    recorder.heard(topics.SIM_WORLD, 11.0, world(1.5, BagState(2.0, 0.25)))
+def heard() -> list[Heard]:
+    entries = [(topics.SIM_WORLD, 10.0, world(0.5, None)), (topics.SIM_WORLD, 11.0, world(1.5, BagState(2.0, 0.25)))]
     for time in (10.0, 10.5):
         joints = JointState(("a", "b"), np.array([time, 2.0]), np.zeros(2), np.zeros(2))
-        recorder.heard(topics.STATE_JOINTS, time, payload(joints))
+        entries.append((topics.STATE_JOINTS, time, payload(joints)))
     inputs = {"sensor/ft": InputHealth(0.01, 100.0, 0, True)}
     health = Health("ok", "", 100.0, 1.0, 2.0, 0, inputs)
-    recorder.heard(topics.health_topic("wrench"), 10.2, payload(health))
-    return recorder.finish({"name": "run"}, [Event(10.25, "start"), Event(12.0, "end", "done")], start=10.0)
+    entries.append((topics.health_topic("wrench"), 10.2, payload(health)))
+    return [Heard(topic.key, nanoseconds(time), data) for topic, time, data in entries]
+
+
+ENDED = {"start": 10.0, "events": [(10.25, "start", ""), (12.0, "end", "done")]}
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    """As the player of a run writes it."""
+    path = tmp_path / "recording.mcap"
+    write_log(path, {"robot": "tiago"}, heard(), run={"name": "run"}, end=ENDED)
+    return path
+
+
+@pytest.fixture
+def recording(file: Path) -> Recording:
+    return Recording.load(file)
 
 
 def test_what_is_no_message_is_left_out_and_counted() -> None:
-    recorder = Recorder()
-    for garbage in (b"", b"\xc1", payload(BagState(1.0, 1.0))):
-        recorder.heard(topics.SIM_WORLD, 1.0, garbage)
     ragged = encode_map(decode_map(world(0.0, None)) | {"contact_force": [1.0]})
-    recorder.heard(topics.SIM_WORLD, 1.5, ragged)
-    recorder.heard(topics.SIM_WORLD, 2.0, world(0.5, None))
-    recording = recorder.finish({}, [], start=0.0)
+    unsound = (b"", b"\xc1", payload(BagState(1.0, 1.0)), ragged)
+    entries = [Heard("sim/world", 1, data) for data in unsound]
+    entries.append(Heard("sim/world", nanoseconds(2.0), world(0.5, None)))
+    recording = Recording.of({}, entries, {"start": 0.0, "events": []})
     assert recording.meta["rejected"] == {"sim/world": 4}
     assert recording.time("sim/world").tolist() == [2.0]
 
@@ -67,16 +80,9 @@ def test_the_newest_of_a_topic_is_what_was_said_last_and_before_that_the_first(r
     assert newest.shape == (5, 4)
 
 
-def test_survives_saving(recording: Recording, tmp_path: Path) -> None:
-    recording.save(tmp_path / "run.npz")
-    again = Recording.load(tmp_path / "run.npz")
-    assert again.meta == recording.meta
-    assert again.events == recording.events
-    assert again.topics.keys() == recording.topics.keys()
-    for key, columns in recording.topics.items():
-        for name, values in columns.items():
-            np.testing.assert_array_equal(again.topics[key][name], values)
-    assert again.series("state/joints", "name").tolist() == [["a", "b"]]
+def test_what_is_said_of_the_run_is_there(recording: Recording) -> None:
+    assert {"robot": "tiago", "name": "run", "rejected": {}}.items() <= recording.meta.items()
+    assert recording.series("state/joints", "name").tolist() == [["a", "b"]]
 
 
 def test_csv_has_a_column_per_component(recording: Recording, tmp_path: Path) -> None:
@@ -97,23 +103,24 @@ def test_what_is_missing_is_named(recording: Recording) -> None:
         recording.series("sim/world", "force")
 
 
-@pytest.mark.parametrize("kept", [0.0, 0.5, 0.98], ids=("nothing", "half", "most"))
-def test_a_damaged_recording_is_refused_by_name(recording: Recording, tmp_path: Path, kept: float) -> None:
-    path = tmp_path / "recording.npz"
-    recording.save(path)
-    whole = path.read_bytes()
-    path.write_bytes(whole[: int(kept * len(whole))])
-    with pytest.raises(ValueError, match=r"recording.npz is damaged or no recording .*play the run again"):
-        Recording.load(path)
+def test_a_run_that_was_not_played_to_its_end_is_not_judged(tmp_path: Path) -> None:
+    write_log(tmp_path / "unfinished.mcap", {}, heard(), run={"name": "run"})
+    with pytest.raises(ValueError, match=r"unfinished.mcap: the run was not played to its end: play it again"):
+        Recording.load(tmp_path / "unfinished.mcap")
 
 
-def test_another_archive_and_mere_text_are_no_recordings(tmp_path: Path) -> None:
-    path = tmp_path / "other.npz"
-    np.savez(path, values=np.zeros(3))
-    with pytest.raises(ValueError, match="no recording"):
-        Recording.load(path)
+def test_what_a_killed_player_left_is_no_whole_run(file: Path) -> None:
+    whole = file.read_bytes()
+    for kept in (0, 100, whole.index(b'"events"')):
+        file.write_bytes(whole[:kept])
+        with pytest.raises(ValueError, match=r"recording.mcap: .*: play .* again"):
+            Recording.load(file)
+
+
+def test_mere_text_and_nothing_are_no_recordings(tmp_path: Path) -> None:
+    path = tmp_path / "other.mcap"
     path.write_text("not at all")
-    with pytest.raises(ValueError, match="no recording"):
+    with pytest.raises(ValueError, match=r"other.mcap: .*no recording"):
         Recording.load(path)
     with pytest.raises(FileNotFoundError):
-        Recording.load(tmp_path / "none.npz")
+        Recording.load(tmp_path / "none.mcap")

@@ -1,0 +1,1 @@
+"""Records everything that is said on the bus, as it is said."""

@@ -1,0 +1,5 @@
+"""``python -m services.recorder``."""
+
+from shared.loop.entry import enter
+
+enter("services.recorder.main")

@@ -1,0 +1,81 @@
+"""The recorder as a process over a real router: all that is said, byte for byte, whatever ends it."""
+
+from __future__ import annotations
+
+import signal
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from services.recorder.topics import everything
+from shared.topics import SENSOR_CAMERA, SENSOR_FT
+from shared.wire.log import ABOUT, Log, NoRecording
+from shared.wire.zenoh import ZenohBus
+from tests.conftest import Router, StartProcess
+from tests.support.processes import Process
+from tests.support.wait import eventually
+
+pytestmark = pytest.mark.processes
+
+
+def recorded(out: Path) -> list[tuple[str, bytes]]:
+    """All that can be read so far."""
+    # A file that was just begun says nothing yet.
+    with suppress(NoRecording):
+        return [(entry.key, entry.payload) for file in sorted(out.glob("*.mcap")) for entry in Log(file)]
+    return []
+
+
+def recorder(start: StartProcess, router: Router, out: Path) -> Process:
+    process = start("services.recorder", "--connect", router.endpoint, "--out", str(out))
+    process.wait_for_output("recording")
+    return process
+
+
+def say_until_heard(bus: ZenohBus, out: Path) -> None:
+    """Say something under every key until each was recorded; what is no message is recorded like all else."""
+    wanted = {(topic.key, topic.key.encode()) for topic in everything(camera=True)}
+
+    def heard() -> bool:
+        for key, payload in wanted:
+            bus.publish(key, payload)
+        return wanted <= set(recorded(out))
+
+    eventually(heard, 30.0)
+
+
+@pytest.mark.parametrize("end", [signal.SIGTERM, signal.SIGKILL])
+def test_everything_is_recorded_whatever_ends_it(
+    shared_router: Router, start: StartProcess, tmp_path: Path, end: signal.Signals
+) -> None:
+    process = recorder(start, shared_router, tmp_path)
+    bus = ZenohBus(connect=shared_router.endpoint)
+    say_until_heard(bus, tmp_path)
+    bus.close()
+    before = recorded(tmp_path)
+    process.signal(end)
+    status = process.wait()
+    assert recorded(tmp_path)[: len(before)] == before
+    (file,) = tmp_path.glob("*.mcap")
+    assert Log(file).about[ABOUT]["robot"] == "tiago"
+    if end == signal.SIGTERM:
+        assert status == 0 and "messages" in process.output
+
+
+def test_without_the_camera_nobody_is_asked_for_pictures() -> None:
+    assert {*everything(camera=True)} - {*everything(camera=False)} == {SENSOR_CAMERA}
+    assert SENSOR_FT in everything(camera=False)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--most", "1"), ("--most 1: wanted 8 to 1000000 MB",)),
+        (("--out", "/dev/null/x"), ("/dev/null/x", "Not a directory")),
+    ],
+)
+def test_what_it_cannot_do_is_refused_in_one_line(
+    start: StartProcess, options: tuple[str, ...], words: tuple[str, ...]
+) -> None:
+    start("services.recorder", *options).refuses(*words)
