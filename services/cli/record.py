@@ -49,6 +49,8 @@ def export(
             series = Recording.of(about, heard, log.about.get(END, {"start": first, "events": []}))
             folder = csv / file.relative_to(recording).with_suffix("") if len(files) > 1 else csv
             written = series.write_csv(folder)
-        except (NoRecording, OSError) as problem:
+        except NoRecording as problem:
             refuse(str(problem), 1)
+        except OSError as problem:
+            refuse(f"{problem.filename or file}: {problem.strerror}", 1)
         typer.echo(f"{file}: {len(written)} tables in {folder}")

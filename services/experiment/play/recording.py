@@ -138,7 +138,7 @@ class Recording:
 def told(path: Path) -> dict[str, Any]:
     """What the player of a recorded run says of it at the beginning; FileNotFoundError and ValueError as `load`."""
     log = Log(path)
-    next(iter(log), None)
+    next((None for _ in log if RUN in log.about), None)
     return log.about.get(RUN, {})
 
 
