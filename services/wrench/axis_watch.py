@@ -62,6 +62,8 @@ class AxisWatch:
     lived: bool = False  # its noise was known once
     gap: float = math.inf  # to the nearest other value it took since
     returned: bool = False  # to that value, since then
+    visits: float = 0.0  # readings that were that value, and of those
+    stays: float = 0.0  # such that repeated the one before
     grid: float = math.inf  # largest step of which all changes were multiples; next to nothing if there is none
     stuck: bool = False
 
@@ -83,6 +85,8 @@ class AxisWatch:
         """Another value: what the last one's stay says."""
         if self.repeats:
             self._remember()
+        if self.value == self.rest and not self.stuck:
+            self.visits, self.stays = self.visits + 1 + self.repeats, self.stays + self.repeats
         # A rest says nothing of how often it repeats values elsewhere, nor is what comes after it a turn of the noise.
         idle = self.stuck or self.resting() or (self.trusted and self.value == self.rest and self.gap == math.inf)
         if self.readings >= REMEMBERED:
@@ -112,6 +116,7 @@ class AxisWatch:
             self.trusted |= trusted
         elif trusted or not (self.apart() and (self.trusted or self.returned)):
             self.rest, self.trusted, self.gap, self.returned = self.value, trusted, math.inf, False
+            self.visits = self.stays = 0.0
 
     def noisy(self, step: float) -> bool:
         """Whether it is known to have noise that would change the next readings, in steps of ``step`` at least."""
@@ -122,13 +127,18 @@ class AxisWatch:
             and self.scale >= LEAST_SPREAD * max(step, self.grid)
         )
 
-    def needed(self) -> float:
-        """So many repeats are no chance any more."""
+    def needed(self, here: bool = False) -> float:
+        """So many repeats are no chance any more; ``here``, at the value that it has, if that is one it comes back to.
+
+        Noise about as wide as a dead zone repeats the zone's value more often than any other.
+        """
         repeated = self.readings - self.changes
         chance = (repeated + 2.0 * math.sqrt(repeated) + 1.0) / self.readings if repeated >= 1.0 else 0.0
         if self.changes:
             mean = (self.scale or abs(self.step)) * self.changes / self.readings  # over repeats too
             chance = max(chance, math.erf(self.grid / (math.sqrt(2.0 * math.pi) * mean)))
+        if here and self.value == self.rest and self.visits >= FEWEST_READINGS:
+            chance = max(chance, (self.stays + 2.0 * math.sqrt(self.stays) + 1.0) / self.visits)
         if chance >= 1.0:
             return math.inf
         return max(FEWEST_REPEATS, math.log(CHANCE) / math.log(chance)) if chance > 0.0 else FEWEST_REPEATS

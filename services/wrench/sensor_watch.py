@@ -85,7 +85,7 @@ class SensorWatch:
             elif axis.repeats and not axis.stuck:
                 in_time = axis.held + PERIODS_AHEAD * dt > stuck_after  # the next reading could be too late
                 axis.stuck = axis.heavy(weights[number], LEAST_WEIGHT[number], step, known) or (
-                    in_time and axis.noisy(step) and axis.repeats >= axis.needed() and not axis.resting()
+                    in_time and axis.noisy(step) and axis.repeats >= axis.needed(here=True) and not axis.resting()
                 )
             elif not axis.repeats:
                 axis.stuck = False

@@ -164,6 +164,7 @@ SUBJECTS = (
         begin=worlds.search,
     ),
     Subject("experiment", output=t.CONTROL_TARGET, world=worlds.restless, optional=WATCHED),
+    Subject("recorder"),
     Subject("cli"),
 )
 BY_NAME = {subject.name: subject for subject in SUBJECTS}
