@@ -15,12 +15,6 @@ from collections.abc import Container, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from mcap.exceptions import McapError
-from mcap.records import Channel, Message, Metadata
-from mcap.stream_reader import StreamReader
-from mcap.writer import Writer
-from zstandard import ZstdError
-
 from shared.messages import Header
 from shared.schema.json_schema import json_schema
 from shared.topics import topic_by_key
@@ -154,6 +148,9 @@ class _File:
     """
 
     def __init__(self, path: Path, number: int, about: Mapping[str, Any]) -> None:
+        # Who knows of recordings and makes none, as the settings of a run do, needs no library for it.
+        from mcap.writer import Writer
+
         self.path, self.number, self.size = path, number, 0
         self._stream = path.open("xb")
         self._writer = Writer(self._stream, chunk_size=_CHUNK)
@@ -232,6 +229,11 @@ class Log:
         yield from self._records
 
     def _read(self) -> Iterator[Heard]:
+        from mcap.exceptions import McapError
+        from mcap.records import Channel, Message, Metadata
+        from mcap.stream_reader import StreamReader
+        from zstandard import ZstdError
+
         wall = 0
         channels: dict[int, str] = {}
         with self._path.open("rb") as stream:
