@@ -12,7 +12,9 @@ limits cannot be told from a bias, unless there is a former zero: that nothing t
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -23,6 +25,7 @@ from shared.parameters import Refused
 from shared.spatial import GRAVITY, Array, cross
 
 _FORCE, _TORQUE = slice(0, 3), slice(3, 6)
+LIGHTEST = 0.5  # share of `tool_mass` that the tool weighs at least, if there is one
 _SHORTEST = 60.0  # [s] between two zeros whose difference says how fast the sensor drifts
 
 
@@ -216,3 +219,11 @@ def _moved(reading: Array, error: Array, up: Array, declared: Declared, former: 
         f"noise, weight and drift explain {room[axis]:.3g}. Does something touch the tool now, or did it then? Is it "
         "another tool? Does the sensor drift faster than zero_drift?"
     )
+
+
+@lru_cache(maxsize=4)
+def lightest(mass: float, reach: float, *offset: float) -> Compensation:
+    """The tool with the least weight and the shortest lever that are taken for one, by what is declared of it."""
+    far = math.hypot(*offset)
+    lever = LIGHTEST * mass * (max(0.0, 1.0 - reach / far) if far > 0.0 else 0.0)
+    return Compensation("payload", mass=LIGHTEST * mass, moment=lever * np.array(offset))

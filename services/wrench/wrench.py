@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +13,7 @@ from services.wrench.identification import IdentifiedPayload
 from services.wrench.lowpass import LowPass
 from services.wrench.measurements import Measurements, described
 from services.wrench.parameters import WrenchParameters
-from services.wrench.plausibility import Declared, Former, forced, payload_doubt, refusal, tare_doubt
+from services.wrench.plausibility import Declared, Former, forced, lightest, payload_doubt, refusal, tare_doubt
 from services.wrench.sensor_watch import INVALID, SILENT, SensorWatch
 from services.wrench.storage import Journal, JournalEntry, load_payload, save_payload
 from services.wrench.zero import Zero
@@ -30,7 +28,6 @@ from shared.spatial import Array, rotation_matrix
 
 ATTITUDE = 0.005  # [rad] that a robot's own kinematics may be wrong by, besides the floor
 REFUTED = 1.5  # times a declared bound: what ten readings say of a noise is no better known
-LIGHTEST = 0.5  # share of `tool_mass` that the tool weighs at least, if there is one
 
 
 class Wrench(Service[WrenchParameters]):
@@ -218,7 +215,7 @@ class Wrench(Service[WrenchParameters]):
         """Weight (6,) beyond the sensor: as identified, else what is there at least if anything is, sensor axes."""
         known = self.compensation
         if known.kind != "payload":
-            known = _lightest(self.parameters.tool_mass, self.parameters.tool_reach, *offset.tolist())
+            known = lightest(self.parameters.tool_mass, self.parameters.tool_reach, *offset.tolist())
         return weight_of_up(known).dot(standing[2])
 
     def _configured(self, parameters: WrenchParameters, reload: bool) -> None:
@@ -295,11 +292,3 @@ class Wrench(Service[WrenchParameters]):
             self._journal.problem = str(problem)
             return ""
         return str(path)
-
-
-@lru_cache(maxsize=4)
-def _lightest(mass: float, reach: float, *offset: float) -> Compensation:
-    """The tool with the least weight and the shortest lever that are taken for one, by what is declared of it."""
-    far = math.hypot(*offset)
-    lever = LIGHTEST * mass * (max(0.0, 1.0 - reach / far) if far > 0.0 else 0.0)
-    return Compensation("payload", mass=LIGHTEST * mass, moment=lever * np.array(offset))
