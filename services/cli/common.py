@@ -87,11 +87,16 @@ def open_bus(
         bus.close()
 
 
-def ask(bus: Bus, query: Query, request: dict[str, Any], timeout: float = 3.0) -> dict[str, Any]:
-    """The reply of a running service within a time [s]; its refusal or silence ends the command with one line."""
+def ask(bus: Bus, query: Query, request: dict[str, Any], timeout: float = 3.0, silence: str = "") -> dict[str, Any]:
+    """The reply of a running service within a time [s]; its refusal or silence ends the command with one line.
+
+    ``silence`` is what that means; without it, it is found out.
+    """
     try:
         return Client(bus).ask(query, request, timeout)
     except NoReply:
+        if silence:
+            refuse(f"no answer on {query.key} within {timeout:g} s: {silence}", 1)
         there = not bus.living().isdisjoint(speakers(query.server))
         why = f"{query.server} lives, but does not answer" if there else f"{query.server} is not running"
         refuse(f"no answer on {query.key} within {timeout:g} s: {why}. See: tandem status", 1)

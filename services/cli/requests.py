@@ -164,9 +164,4 @@ def reset(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) -> 
 
 def _command(robot: str, connect: str, request: dict[str, Any]) -> None:
     with open_bus(robot, connect) as bus:
-        try:
-            Client(bus).ask(topics.SIM_COMMAND, request)
-        except NoReply as problem:
-            refuse(f"{problem}: {_SIMULATED}", 1)
-        except Refused as problem:
-            refuse(f"the robot refused: {problem}", 1)
+        ask(bus, topics.SIM_COMMAND, request, silence=_SIMULATED)
