@@ -12,6 +12,7 @@ import struct
 import threading
 import time
 from collections.abc import Container, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -99,33 +100,32 @@ class LogWriter:
     def _run(self) -> None:
         flushed = time.monotonic()
         while True:
-            waiting = self._waiting()
-            try:
-                for entry in waiting:
-                    self._write(entry)
-                if waiting[-1:] == [None]:
-                    self._file.end()
-                elif time.monotonic() - flushed > _PART and not self.problem:
-                    flushed = time.monotonic()
+            with suppress(queue.Empty), self._noted():
+                entry = self._queue.get(timeout=_PART)
+                if entry is None:
+                    break
+                self._write(entry)
+            if time.monotonic() - flushed > _PART and not self.problem:
+                flushed = time.monotonic()
+                with self._noted():
                     self._flush()
-            except OSError as problem:
-                self.problem = self.problem or f"{self._file.path}: {problem.strerror or problem}"
-            if waiting[-1:] == [None]:
-                return
+        with self._noted():
+            self._file.end()
 
-    def _waiting(self) -> list[Heard | tuple[str, Mapping[str, Any]] | None]:
-        """What is to be written now, of which None is the last; empty if nothing came for a while."""
+    @contextmanager
+    def _noted(self) -> Iterator[None]:
+        """What the disk refuses is the problem from then on; the first counts."""
         try:
-            return [self._queue.get(timeout=_PART)]
-        except queue.Empty:
-            return []
+            yield
+        except OSError as problem:
+            self.problem = self.problem or f"{self._file.path}: {problem.strerror or problem}"
 
-    def _write(self, entry: Heard | tuple[str, Mapping[str, Any]] | None) -> None:
+    def _write(self, entry: Heard | tuple[str, Mapping[str, Any]]) -> None:
         if self.problem:
             self.lost += isinstance(entry, Heard)
         elif isinstance(entry, Heard):
             self._file.add(entry, self._wall)
-        elif entry is not None:
+        else:
             self._file.say(*entry)
 
     def _flush(self) -> None:
