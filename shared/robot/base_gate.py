@@ -114,6 +114,10 @@ class BaseGate:
         self._stopped = False
         self._at_work = False
 
+    def rest(self) -> None:
+        """Go on from rest: what was executed has ended without the gate."""
+        self._executed = np.zeros(3)
+
     def command(self, velocity: Array, ttl: float, age: float, valid: bool = True) -> None:
         """Take over the newest command; call it once per command.
 

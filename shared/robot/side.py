@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -13,14 +14,26 @@ from shared.robot.held_command import HeldCommand, Ranges
 from shared.schema.records import Record
 from shared.service import Inputs, Output, Reading
 from shared.spatial import Array
-from shared.topics import COMMAND_BASE_TWIST, COMMAND_EE_TWIST, COMMAND_GRIPPER, COMMAND_HEAD, STATE_ROBOT, STOP, Topic
+from shared.topics import (
+    COMMAND_BASE_TWIST,
+    COMMAND_EE_TWIST,
+    COMMAND_GRIPPER,
+    COMMAND_HEAD,
+    OPERATOR_ENABLE,
+    STATE_ROBOT,
+    STOP,
+    Topic,
+)
 
 M = TypeVar("M", bound=Record)
+_COUNTED = re.compile(r": \d+( \(.*\))?$")
 
 HOLDING_AFTER = 0.1
 """[s] Time without a fresh command after which the robot says that it holds: commands at 30 Hz with a ``ttl`` of 20 ms
 would else change its mode sixty times a second. Motions broken off more shortly are counted, and told so much later
 at most."""
+NOT_ENABLED = "the enabling device is not pressed: hold a key in `tandem enable`"
+"""Why nothing moves while the robot asks for an enabling device."""
 
 
 class _Pending(Generic[M]):
@@ -70,17 +83,34 @@ class RobotSide:
         base: limits of the base's gate.
         gripper: ranges of ``opening`` [m] and ``effort`` [N].
         head: ranges of ``pan`` and ``tilt`` [rad].
+        require_enable: whether nothing moves but while the enabling device is pressed.
     """
 
-    INPUTS: tuple[Topic, ...] = (COMMAND_EE_TWIST, COMMAND_BASE_TWIST, COMMAND_GRIPPER, COMMAND_HEAD, STOP)
+    INPUTS: tuple[Topic, ...] = (
+        COMMAND_EE_TWIST,
+        COMMAND_BASE_TWIST,
+        COMMAND_GRIPPER,
+        COMMAND_HEAD,
+        STOP,
+        OPERATOR_ENABLE,
+    )
 
     def __init__(
-        self, limits: GateLimits, base_type: str, simulated: bool, base: BaseLimits, gripper: Ranges, head: Ranges
+        self,
+        limits: GateLimits,
+        base_type: str,
+        simulated: bool,
+        base: BaseLimits,
+        gripper: Ranges,
+        head: Ranges,
+        require_enable: bool = False,
     ) -> None:
         self.gate = Gate(limits)
         self.base_gate = BaseGate(base)
         self._base_type = base_type
         self._simulated = simulated
+        self._require_enable = require_enable
+        self._enabled = not require_enable
         self._pending: _Pending[TwistCommand] = _Pending(COMMAND_EE_TWIST)
         self._pending_base: _Pending[BaseTwistCommand] = _Pending(COMMAND_BASE_TWIST)
         self._gripper, self._head = HeldCommand(COMMAND_GRIPPER, gripper), HeldCommand(COMMAND_HEAD, head)
@@ -95,17 +125,19 @@ class RobotSide:
         self._told_held = 0
         self._until_report = 0.0
 
-    def take(self, inputs: Inputs, behind: float = 0.0) -> None:
+    def take(self, inputs: Inputs, behind: float = 0.0, pressed: bool = False) -> None:
         """Take over what is new: each command once, a stop at once.
 
         A stop engages whatever its publisher thinks of itself; only a valid message releases it. What is asked of
         gripper and head meanwhile is refused for good: nothing moves at a release but what is commanded after it.
-        While nobody could stop the robot, arm and base execute nothing.
+        While nobody could stop the robot, arm and base execute nothing. While an enabling device is required and not
+        pressed, nothing does: as at a stop, but it goes on when the device is pressed.
 
         Args:
             inputs: of this step.
             behind: time [s] before now at which the next ``advance`` begins, for a process that goes through the time
                 since its last step in several ones: a command acts from that one on in which it arrived.
+            pressed: whether an enabling device of the robot's own is pressed.
         """
         stop, before = inputs.get(STOP), self.mode
         if stop is not None and stop.new and (stop.message.engaged or stop.header.valid):
@@ -113,15 +145,23 @@ class RobotSide:
             self.base_gate.stop(stop.message.engaged)
         self._pending.take(inputs, behind)
         self._pending_base.take(inputs, behind)
+        allowed, self._enabled = self._enabled, not self._require_enable or pressed or self._pressed(inputs)
         self._cut_off = inputs.cut_off
         self._unlinked = inputs.links.get(COMMAND_EE_TWIST.publisher) is False
-        if self._cut_off:
+        if self._cut_off or not self._enabled:
             self._command_nothing()
-        self.freeze = self.mode == "stopped" and before != "stopped"
+        self.freeze = (self.mode == "stopped" and before != "stopped") or (allowed and not self._enabled)
         # What comes in one step with a release may have been given before it.
-        stopped = "stopped" in (before, self.mode)
+        stopped = "stopped" in (before, self.mode) or not (allowed and self._enabled)
         self.gripper, self.head = self._gripper.take(inputs, stopped), self._head.take(inputs, stopped)
         self._refusals = [f"{topic.key}: {text}" for topic in self.INPUTS if (text := inputs.refusals(topic))]
+
+    def _pressed(self, inputs: Inputs) -> bool:
+        """Whether the enabling device is pressed, by its newest word; silence means that it is let go."""
+        device = inputs.get(OPERATOR_ENABLE)
+        if device is None or device.age > OPERATOR_ENABLE.max_age:
+            return False
+        return device.message.pressed and device.header.valid
 
     def advance(self, dt: float) -> Array:
         """Twist (6,) [m/s, rad/s] of the tool to execute during the next ``dt`` [s]."""
@@ -165,6 +205,7 @@ class RobotSide:
         gate, base = self.gate, self.base_gate
         parts = (
             self._cut_off and f"nobody could stop the robot: {self._cut_off}",
+            "" if self._enabled else NOT_ENABLED,
             "" if mode == "ready" else gate.reason,
             f"no direct link to {COMMAND_EE_TWIST.publisher}" if mode == "holding" and self._unlinked else "",
             *reasons,
@@ -206,9 +247,15 @@ class RobotSide:
             max_angular=limits.max_angular,
             max_base=self.base_gate.limits.largest,
             held=self.gate.held,
+            require_enable=self._require_enable,
         )
         return Output(STATE_ROBOT, status)
 
 
 def _counted(count: int, what: str, more: str = "") -> str:
     return f"{what}: {count}{more and f' ({more})'}" if count else ""
+
+
+def at_present(reason: str) -> str:
+    """What of the ``reason`` in ``state/robot`` holds now: all but what was counted since the process began."""
+    return "; ".join(part for part in reason.split("; ") if not _COUNTED.search(part))

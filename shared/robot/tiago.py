@@ -6,13 +6,12 @@ What the robot's description says is read from it. The rest is stated here; NOTI
 from __future__ import annotations
 
 import math
-import xml.etree.ElementTree as ET
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
 from shared.robot.base_gate import BaseLimits
+from shared.robot.description import Description
 from shared.robot.held_command import Ranges
 from shared.spatial import Array
 
@@ -32,25 +31,7 @@ HEAD = ("head_1_joint", "head_2_joint")
 FINGERS = ("gripper_right_left_finger_joint", "gripper_right_right_finger_joint")
 
 
-class Joint(NamedTuple):
-    """Limits of a joint: positions [m, rad], speed [m/s, rad/s] and effort [N, Nm]."""
-
-    lower: float
-    upper: float
-    velocity: float
-    effort: float
-
-
-def _joints() -> dict[str, Joint]:
-    limits = {joint.attrib["name"]: joint.find("limit") for joint in ET.parse(URDF).getroot().iter("joint")}
-    return {
-        name: Joint(*(float(limit.attrib[field]) for field in Joint._fields))
-        for name, limit in limits.items()
-        if limit is not None
-    }
-
-
-JOINTS = _joints()
+JOINTS = Description.of(URDF).joints
 """Every joint that moves, by its name, in the order of the description."""
 
 _, FINGER_TRAVEL, FINGER_SPEED, FINGER_EFFORT = JOINTS[FINGERS[0]]

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from services.sim.robot.base import MobileBase
-from services.sim.robot.ik import DifferentialIK
-from services.sim.robot.kinematics import HOME, Kinematics
+from services.sim.robot.kinematics import HOME, arm_kinematics
 from services.sim.robot.physics import Physics
-from shared.robot.tiago import CHAIN
+from shared.robot.ik import DifferentialIK
+from shared.robot.kinematics import Kinematics
+from shared.robot.posture import Lift, Posture
+from shared.robot.tiago import CHAIN, TORSO
 from shared.spatial import GRAVITY, Array
 
 TORSO_WEIGHT = 10.0  # [1] cost of the torso's speed [m/s] relative to that of an arm joint [rad/s]
@@ -27,6 +30,13 @@ DRIVE_LAG = 0.015  # [s] time constant of the drives: the tool follows its comma
 AT_REST = 1e-5  # [m/s, rad/s] of a joint that count as none, so that the arm comes to rest in finite time
 IK_PERIOD = 0.01  # [s] after which an unchanged twist is resolved into joint velocities anew: the arm has moved
 _STANDING = [0.0] * len(CHAIN)
+
+
+class JointSetPoint(NamedTuple):
+    """What the motors are told of each joint of the chain, 8 each [m, rad, m/s, rad/s]."""
+
+    position: list[float]
+    velocity: list[float]
 
 
 class Arm:
@@ -46,14 +56,15 @@ class Arm:
     """
 
     def __init__(self, step: float, start: Mapping[str, float] = HOME) -> None:
-        model = self._kinematics = Kinematics(start)
+        model = self._kinematics = arm_kinematics(start)
         self.physics = Physics(model.home, model.effort, step)
         weight = np.array([TORSO_WEIGHT] + [1.0] * (len(CHAIN) - 1))
         margin = np.array([TORSO_MARGIN] + [ARM_MARGIN] * (len(CHAIN) - 1))
         self._ik = DifferentialIK(model.lower, model.upper, model.speed, margin, CHAIN, weight)
         self._response = 1.0 - math.exp(-step / DRIVE_LAG)
         self._ik_steps = max(1, round(IK_PERIOD / step))
-        self._torso_share = (model.home[0] - TORSO_BOTTOM) / (model.tool()[0][2] - LOWEST_TOOL)
+        lift = Lift(CHAIN.index(TORSO), TORSO_BOTTOM, LOWEST_TOOL, model.tool()[0][2])
+        self._posture = Posture(model.home, lift)
         self.reset()
 
     def reset(self) -> None:
@@ -97,14 +108,23 @@ class Arm:
         vx, vy, vz, *_ = self.tool_twist.tolist()
         self.physics.feel(base.gravity((x, y, z), (vx, vy, vz)))
 
-    def advance(self, twist: Array, force: list[float], torque: list[float] | None) -> None:
-        """One physics step with the gate's twist (6,) and the environment's force [N] and torque [Nm] at the tool."""
-        moving = self._follow(twist.tolist())
-        if moving:
-            step = self.physics.step_time
-            self._set_point = [
-                place + velocity * step for place, velocity in zip(self._set_point, self._velocity, strict=True)
-            ]
+    def advance(self, wanted: Array | JointSetPoint, force: list[float], torque: list[float] | None) -> None:
+        """One physics step.
+
+        Args:
+            wanted: the gate's twist (6,), or where whoever commands the joints themselves has them.
+            force: the environment's [N] at the tool.
+            torque: the environment's [Nm] there; None for none.
+        """
+        if isinstance(wanted, JointSetPoint):
+            moving = self._go(wanted)
+        else:
+            moving = self._follow(wanted.tolist())
+            if moving:
+                step = self.physics.step_time
+                self._set_point = [
+                    place + velocity * step for place, velocity in zip(self._set_point, self._velocity, strict=True)
+                ]
         if self._bound() or moving or self._was_moving:
             self.physics.drive(self._set_point, self._velocity)
         self._was_moving = moving
@@ -112,6 +132,12 @@ class Arm:
             self.physics.push(force, torque, self.tool_position.tolist())
         self.physics.step()
         self._stale = True
+
+    def _go(self, wanted: JointSetPoint) -> bool:
+        """Take over set-points; false once they are at rest."""
+        moving = wanted.position != self._set_point or any(wanted.velocity)
+        self._set_point, self._velocity = wanted
+        return moving
 
     def _follow(self, twist: list[float]) -> bool:
         """Let the drives follow a twist; false once they are at rest."""
@@ -138,12 +164,7 @@ class Arm:
 
     def _solve(self, twist: list[float]) -> list[float]:
         kinematics = self.kinematics
-        reference = kinematics.home.copy()
-        torso = TORSO_BOTTOM + self._torso_share * (kinematics.tool_position()[2] - LOWEST_TOOL)
-        reference[0] = min(max(torso, TORSO_BOTTOM), kinematics.home[0])
-        lead = np.zeros(len(CHAIN))
-        if reference[0] == torso:
-            lead[0] = self._torso_share * twist[2]
+        reference, lead = self._posture.at(kinematics.tool_position()[2], twist[2])
         solution = self._ik.solve(np.array(self._set_point), kinematics.jacobian(), np.array(twist), reference, lead)
         self.limited_by = solution.limited_by
         velocities: list[float] = solution.velocity.tolist()

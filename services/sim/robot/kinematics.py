@@ -1,12 +1,13 @@
-"""Kinematics and statics of the simulated TIAGo's torso and right arm, from the robot's description."""
+"""Postures in which the simulated TIAGo starts, and the kinematics of its torso and right arm."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
 import pinocchio as pin
 
+from shared.robot import kinematics
+from shared.robot.kinematics import Kinematics, configuration
 from shared.robot.tiago import CHAIN, SENSOR_FRAME, TOOL_FRAME, URDF
 from shared.spatial import Array
 
@@ -58,72 +59,24 @@ degrees, so that the fingers are above and below the panel. From here the onboar
 
 def full_model() -> pin.Model:
     """The whole robot on its fixed ``base_footprint``."""
-    return pin.buildModelFromUrdf(str(URDF))
-
-
-def joint_names(model: pin.Model) -> tuple[str, ...]:
-    """Names of the movable joints in the order of the model's configuration."""
-    return tuple(model.names[1:])
+    return kinematics.full_model(URDF)
 
 
 def home(model: pin.Model, start: Mapping[str, float] = HOME) -> Array:
-    """A start configuration [m, rad] in the order of ``joint_names(model)``."""
-    return np.array([start.get(name, 0.0) for name in joint_names(model)])
+    """A start configuration [m, rad] in the order of the model's joints."""
+    return configuration(model, start)
 
 
 def locked_except(model: pin.Model, free: tuple[str, ...]) -> pin.Model:
     """The model with all joints but the ``free`` ones fixed at their start positions."""
-    locked = [model.getJointId(name) for name in joint_names(model) if name not in free]
-    return pin.buildReducedModel(model, locked, home(model))
+    return kinematics.locked_except(model, free, HOME)
 
 
-class Kinematics:
-    """Forward kinematics of the chain from ``base_footprint`` to the tool; results refer to the last ``update``.
+def arm_kinematics(start: Mapping[str, float] = HOME) -> Kinematics:
+    """Kinematics of torso and right arm.
 
     Args:
         start: positions [m, rad] of the joints at the start, by name.
     """
-
-    def __init__(self, start: Mapping[str, float] = HOME) -> None:
-        self._model = locked_except(full_model(), CHAIN)
-        self._data = self._model.createData()
-        self._tool = self._model.getFrameId(TOOL_FRAME)
-        self._sensor = self._model.getFrameId(SENSOR_FRAME)
-        self.lower: Array = self._model.lowerPositionLimit.copy()
-        self.upper: Array = self._model.upperPositionLimit.copy()
-        self.speed: Array = self._model.velocityLimit.copy()
-        self.effort: Array = self._model.effortLimit.copy()
-        self.home: Array = home(self._model, start)
-        self.update(self.home)
-        pin.updateFramePlacement(self._model, self._data, self._sensor)
-        tool_in_sensor = self._data.oMf[self._sensor].actInv(self._tool_pose)
-        self.tool_in_sensor: Array = tool_in_sensor.translation.copy()
-
-    def update(self, position: Array) -> None:
-        """Compute poses and Jacobians for the chain's joint positions (8,) [m, rad]."""
-        pin.computeJointJacobians(self._model, self._data, position)
-        self._tool_pose = pin.updateFramePlacement(self._model, self._data, self._tool)
-
-    def tool(self) -> tuple[Array, Array]:
-        """Position (3,) [m] and rotation (3, 3) of the tool in base."""
-        pose = self._tool_pose
-        return pose.translation.copy(), pose.rotation.copy()
-
-    def tool_position(self) -> Array:
-        """Position (3,) [m] of the tool in base."""
-        return self._tool_pose.translation.copy()
-
-    def sensor(self) -> tuple[Array, Array]:
-        """Position (3,) [m] and rotation (3, 3) of the force-torque sensor in base."""
-        pose = pin.updateFramePlacement(self._model, self._data, self._sensor)
-        return pose.translation.copy(), pose.rotation.copy()
-
-    def jacobian(self) -> Array:
-        """Jacobian (6, 8): joint velocities to the tool's twist in base axes."""
-        return pin.getFrameJacobian(self._model, self._data, self._tool, pin.LOCAL_WORLD_ALIGNED)
-
-    def holding_effort(self, position: Array, force: Array) -> Array:
-        """Efforts (8,) [N, Nm] that hold the chain still while ``force`` (3,) [N, base axes] acts on the tool."""
-        gravity = pin.computeGeneralizedGravity(self._model, self._data, position)
-        self.update(position)
-        return gravity - self.jacobian()[:3].T @ force
+    model = locked_except(full_model(), CHAIN)
+    return Kinematics(model, TOOL_FRAME, SENSOR_FRAME, home(model, start))

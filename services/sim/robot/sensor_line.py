@@ -5,14 +5,29 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from shared.service import Output
 from shared.spatial import Array
 
+
+class Sent(Protocol):
+    """A message on its way, a dataclass."""
+
+    @property
+    def late(self) -> float:
+        """Age [s] of its content."""
+        ...
+
+    @property
+    def payload(self) -> bytes | None:
+        """What is sent in its place, if anything is."""
+        ...
+
+
 T = TypeVar("T")
+S = TypeVar("S", bound=Sent)
 
 GARBAGE = bytes(range(256))
 """A payload that is no MessagePack map."""
@@ -29,7 +44,7 @@ class SensorLine:
         self._value: Array = np.zeros(1)
         self._stuck: object = None
         self._time = 0.0
-        self._queue: deque[tuple[float, Output]] = deque()
+        self._queue: deque[tuple[float, Any]] = deque()
 
     def break_down(self, kind: str, value: Sequence[float]) -> None:
         """Put a fault on the line, or take it off with ``ok``.
@@ -55,18 +70,22 @@ class SensorLine:
         """A value (n,) with the bias of this fault, if it has one."""
         return value + self._value if self.kind == "bias" else value
 
-    def send(self, outputs: list[Output], dt: float) -> list[Output]:
+    def send(self, outputs: list[S], dt: float) -> list[S]:
         """What becomes of a tick's messages, ``dt`` [s] after the last tick."""
         self._time += dt
         if self.kind == "off":
             return []
         if self.kind == "garbage":
-            return [replace(output, payload=GARBAGE) for output in outputs]
+            return [_changed(output, payload=GARBAGE) for output in outputs]
         if self.kind != "delay":
             return outputs
         delay = float(self._value[0])
-        self._queue.extend((self._time + delay, replace(output, late=output.late + delay)) for output in outputs)
+        self._queue.extend((self._time + delay, _changed(output, late=output.late + delay)) for output in outputs)
         arrived = []
         while self._queue and self._queue[0][0] <= self._time + 1e-9:
             arrived.append(self._queue.popleft()[1])
         return arrived
+
+
+def _changed(output: S, **values: Any) -> S:
+    return replace(output, **values)  # type: ignore[type-var]

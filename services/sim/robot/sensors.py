@@ -10,9 +10,10 @@ import pinocchio as pin
 from services.sim.robot.arm import Arm
 from services.sim.robot.gripper import Gripper
 from services.sim.robot.head import Head
-from services.sim.robot.kinematics import Kinematics, full_model, home, joint_names
+from services.sim.robot.kinematics import arm_kinematics, full_model, home
 from services.sim.robot.sensor_line import SensorLine
 from shared.messages import EndEffector, JointState
+from shared.robot.kinematics import joint_names
 from shared.robot.tiago import CHAIN, FINGERS, HEAD, SENSOR_RANGE
 from shared.spatial import Array, quaternion
 
@@ -65,7 +66,7 @@ class JointSensors:
         self._physics = arm.physics
         self._head, self._gripper = head, gripper
         self._line = line
-        self._kinematics = Kinematics()
+        self._kinematics = arm_kinematics()
         model = full_model()
         self._names = joint_names(model)
         self._position = home(model, start)

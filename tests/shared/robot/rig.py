@@ -20,7 +20,7 @@ ZERO = (0.0, 0.0, 0.0)
 class Process:
     """A robot process that ticks at 100 Hz."""
 
-    def __init__(self) -> None:
+    def __init__(self, require_enable: bool = False) -> None:
         self.side = RobotSide(
             GateLimits(0.3, 1.0, 1e3, 1e3),
             "omni",
@@ -28,6 +28,7 @@ class Process:
             base=BaseLimits(0.5, 0.2, 0.4, 0.3, 1.0, 2.0),
             gripper={"opening": (0.0, 0.09), "effort": (0.0, 16.0)},
             head={"pan": (-1.3, 1.3), "tilt": (-1.0, 0.7)},
+            require_enable=require_enable,
         )
         self.statuses: list[RobotStatus] = []
         self._readings: dict[str, Reading] = {}

@@ -10,7 +10,8 @@ import pinocchio as pin
 import pybullet
 import pytest
 
-from services.sim.robot.kinematics import HOME, Kinematics, full_model, home, joint_names
+from services.sim.robot.kinematics import HOME, arm_kinematics, full_model, home
+from shared.robot.kinematics import joint_names
 from shared.robot.tiago import CHAIN, JOINTS, TOOL_FRAME, URDF
 
 
@@ -26,7 +27,7 @@ def test_the_model_has_the_limits_of_the_description(model: pin.Model) -> None:
 
 
 def test_the_tool_starts_at_the_pose_of_the_experiment_and_the_sensor_behind_it() -> None:
-    kinematics = Kinematics()
+    kinematics = arm_kinematics()
     position, rotation = kinematics.tool()
     assert position == pytest.approx((0.5, -0.3, 1.0), abs=1e-6)
     assert rotation == pytest.approx(np.eye(3), abs=1e-6)
@@ -93,7 +94,7 @@ def _count(body: int, client: int) -> int:
 
 
 def test_jacobian_is_the_derivative_of_the_pose() -> None:
-    kinematics = Kinematics()
+    kinematics = arm_kinematics()
     q = kinematics.home
     kinematics.update(q)
     position, rotation = kinematics.tool()
@@ -110,6 +111,6 @@ def test_jacobian_is_the_derivative_of_the_pose() -> None:
 
 @pytest.mark.parametrize("weight", [20.0, 28.0])
 def test_the_start_configuration_carries_the_bags_within_every_effort_limit(weight: float) -> None:
-    kinematics = Kinematics()
+    kinematics = arm_kinematics()
     effort = kinematics.holding_effort(kinematics.home, np.array((0.0, 0.0, -weight)))
     assert (np.abs(effort) < 0.95 * kinematics.effort).all()

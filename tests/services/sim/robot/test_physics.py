@@ -7,14 +7,15 @@ from itertools import product
 import numpy as np
 import pytest
 
-from services.sim.robot.kinematics import Kinematics
+from services.sim.robot.kinematics import arm_kinematics
 from services.sim.robot.physics import Physics
+from shared.robot.kinematics import Kinematics
 from shared.spatial import GRAVITY
 from tests.services.sim.statics import reads, statics
 
 STEP = 0.002
 POSES = {
-    "home": Kinematics().home,
+    "home": arm_kinematics().home,
     "stretched": np.array((0.2, 0.3, 0.4, 0.5, 0.6, 0.2, 0.3, -0.4)),
     "gripper up": np.array((0.1, 1.0, 0.2, 1.5, 1.8, -1.0, 1.2, 0.5)),
     "rolled": np.array((0.3, 0.6, 1.0, 1.0, 2.2, 1.5, 1.0, 1.9)),
@@ -36,7 +37,7 @@ def test_pushes_in_every_direction() -> None:
 
 
 def test_motors_give_what_statics_ask_for() -> None:
-    kinematics = Kinematics()
+    kinematics = arm_kinematics()
     force = np.array((0.0, 0.0, -20.0))
     physics = Physics(kinematics.home, kinematics.effort, STEP)
     _hold(physics, kinematics, force, np.zeros(3))
@@ -48,7 +49,7 @@ def test_motors_give_what_statics_ask_for() -> None:
 
 def _settled(pose: np.ndarray, force: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Reading (6,) with motors of unlimited effort in a pose, and the statics of where the arm came to rest."""
-    kinematics = Kinematics()
+    kinematics = arm_kinematics()
     assert ((pose >= kinematics.lower) & (pose <= kinematics.upper)).all(), "the pose is outside the joints' limits"
     physics = Physics(pose, np.full(8, 1e4), STEP)
     _hold(physics, kinematics, force, torque)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from services.sim.robot.arm import ARM_MARGIN, LOWEST_TOOL, TORSO_BOTTOM, TORSO_MARGIN, TORSO_WEIGHT
-from services.sim.robot.ik import DifferentialIK
-from services.sim.robot.kinematics import CARRY_HOME, HOME, Kinematics
+from services.sim.robot.kinematics import CARRY_HOME, HOME, arm_kinematics
 from services.sim.robot.physics import FRICTION
+from shared.robot.ik import DifferentialIK
 from shared.robot.tiago import CHAIN
 from shared.spatial import GRAVITY, pose_error, quaternion_from_rpy, rotation_from_vector, rotation_matrix
 
@@ -25,7 +25,7 @@ class Walk:
     """Tool poses in front of the robot, gone to from the start as the arm does, but without inertia and load."""
 
     def __init__(self) -> None:
-        model = self.kinematics = Kinematics(CARRY_HOME)
+        model = self.kinematics = arm_kinematics(CARRY_HOME)
         weight = np.array([TORSO_WEIGHT] + [1.0] * 7)
         margin = np.array([TORSO_MARGIN] + [ARM_MARGIN] * 7)
         self._ik = DifferentialIK(model.lower, model.upper, model.speed, margin, CHAIN, weight)
@@ -103,7 +103,7 @@ def test_what_the_arm_holds_where_the_load_is_held(
     direction: tuple[int, ...], motors: float, with_friction: float, weakest: str
 ) -> None:
     """The table of docs/simulation.md."""
-    model = Kinematics(HOME)
+    model = arm_kinematics(HOME)
     alone = model.holding_effort(model.home, np.zeros(3))
     per_newton = model.holding_effort(model.home, np.array(direction, dtype=float)) - alone
     loaded = np.abs(per_newton) > 1e-9

@@ -50,16 +50,25 @@ class DifferentialIK:
         margin: distance [rad, m] from a position limit at which a joint stands still, (n,).
         names: the joints' names, for reports.
         weight: W, relative cost (n,) of the joints' speeds.
+        approach_rate: [1/s] of speed allowed per distance left to a position limit.
     """
 
     def __init__(
-        self, lower: Array, upper: Array, speed: Array, margin: Array, names: tuple[str, ...], weight: Array
+        self,
+        lower: Array,
+        upper: Array,
+        speed: Array,
+        margin: Array,
+        names: tuple[str, ...],
+        weight: Array,
+        approach_rate: float = APPROACH_RATE,
     ) -> None:
         self._lower = lower + margin
         self._upper = upper - margin
         self._speed = speed
         self._names = names
         self._weight = weight
+        self._approach_rate = approach_rate
         n = len(names)
         self._n = n
         self._ease = 1.0 / ((EFFORT_WEIGHT + POSTURE_WEIGHT) * weight)
@@ -68,16 +77,13 @@ class DifferentialIK:
         # PIQP wants a strictly convex problem; next to c this curvature of s is nothing.
         self._hessian[n, n] = 1e-9
         self._equations = np.zeros((6, n + 1))
-        self._solver = piqp.DenseSolver()
-        self._solver.settings.verbose = False
-        self._solver.settings.eps_abs = 1e-9
-        self._solver.settings.eps_rel = 1e-9
+        self._solver = _solver()
         self._ready = False
 
     def bounds(self, position: Array) -> tuple[Array, Array]:
         """Smallest and largest joint velocities (n,) allowed at a position; zero is always between them."""
-        lowest = np.minimum(np.maximum(APPROACH_RATE * (self._lower - position), -self._speed), 0.0)
-        highest = np.maximum(np.minimum(APPROACH_RATE * (self._upper - position), self._speed), 0.0)
+        lowest = np.minimum(np.maximum(self._approach_rate * (self._lower - position), -self._speed), 0.0)
+        highest = np.maximum(np.minimum(self._approach_rate * (self._upper - position), self._speed), 0.0)
         return lowest, highest
 
     def solve(self, position: Array, jacobian: Array, twist: Array, reference: Array, lead: Array) -> Solution:
@@ -89,6 +95,8 @@ class DifferentialIK:
             twist: wanted tool twist (6,) in base axes.
             reference: posture (n,) that the redundancy returns to.
             lead: velocity (n,) of that posture.
+
+        If any of them is not finite, nothing moves, and the next call is as good as ever.
         """
         x, y, z, about_x, about_y, about_z = twist.tolist()
         size = math.hypot(x, y, z, ANGULAR_LENGTH * about_x, ANGULAR_LENGTH * about_y, ANGULAR_LENGTH * about_z)
@@ -126,6 +134,10 @@ class DifferentialIK:
         self._equations[:, :n] = jacobian
         self._equations[:, n] = -direction
         below, above = np.append(lowest / size, 0.0), np.append(highest / size, 1.0)
+        # What is not finite never gets past the comparisons that lead round this method, and it must not get into the
+        # solver: that keeps it for ever.
+        if not all(np.isfinite(part).all() for part in (gradient, self._equations, below, above)):
+            return Solution(np.zeros(n), 0.0, "the inverse kinematics was given a number that is not finite")
         if self._ready:
             self._solver.update(P=self._hessian, c=gradient, A=self._equations, x_l=below, x_u=above)
         else:
@@ -134,6 +146,7 @@ class DifferentialIK:
         status = self._solver.solve()
         result = np.array(self._solver.result.x)
         if status != piqp.PIQP_SOLVED or not np.all(np.isfinite(result)):
+            self._solver, self._ready = _solver(), False
             return Solution(np.zeros(n), 0.0, self._reason(np.zeros(n), lowest, highest))
         share = min(1.0, max(0.0, float(result[n])))
         velocity = np.minimum(np.maximum(result[:n] * size, lowest), highest)
@@ -150,3 +163,11 @@ class DifferentialIK:
             if abs(velocity[i]) >= self._speed[i] - close[i]:
                 return f"{name} is at its speed limit"
         return "the arm is close to a singularity"
+
+
+def _solver() -> piqp.DenseSolver:
+    solver = piqp.DenseSolver()
+    solver.settings.verbose = False
+    solver.settings.eps_abs = 1e-9
+    solver.settings.eps_rel = 1e-9
+    return solver

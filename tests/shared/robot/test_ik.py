@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from services.sim.robot import ik as module
-from services.sim.robot.ik import DifferentialIK
-from services.sim.robot.kinematics import Kinematics
+from services.sim.robot.kinematics import arm_kinematics
+from shared.robot import ik as module
+from shared.robot.ik import DifferentialIK
 from shared.robot.tiago import CHAIN
 
-KINEMATICS = Kinematics()
+KINEMATICS = arm_kinematics()
 WEIGHT = np.array([10.0] + [1.0] * 7)
 MARGIN = np.full(8, 0.01)
 REST = np.zeros(8)
@@ -106,3 +106,38 @@ def test_the_report_names_the_joint_that_limits() -> None:
     solution = solver().solve(position, at(position), up, position, REST)
     assert solution.share < 1.0
     assert "limit" in solution.limited_by and "_joint" in solution.limited_by
+
+
+INPUTS = ("position", "jacobian", "twist", "reference", "lead")
+
+
+@pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")
+@settings(max_examples=100, deadline=None)
+@given(
+    name=st.sampled_from(INPUTS),
+    number=st.sampled_from((np.nan, np.inf, -np.inf)),
+    place=st.integers(0, 47),
+    others=shares,
+)
+def test_a_number_that_is_not_finite_moves_nothing_and_harms_nothing_later(
+    name: str, number: float, place: int, others: np.ndarray
+) -> None:
+    position = KINEMATICS.lower + others * (KINEMATICS.upper - KINEMATICS.lower)
+    healthy = {
+        "position": position,
+        "jacobian": at(position),
+        "twist": np.array((0.0, 0.0, 0.3, 0.0, 0.5, 0.0)),
+        "reference": KINEMATICS.home,
+        "lead": REST,
+    }
+    inverse = solver()
+    inverse.solve(**healthy)
+    spoilt = healthy[name].copy()
+    spoilt.flat[place % spoilt.size] = number
+    ill = inverse.solve(**(healthy | {name: spoilt}))
+    assert np.isfinite(ill.velocity).all()
+    assert np.abs(ill.velocity).max() <= KINEMATICS.speed.max()
+    if name == "twist" or np.isnan(number):
+        assert not ill.velocity.any()
+        assert "not finite" in ill.limited_by
+    assert inverse.solve(**healthy).velocity == pytest.approx(solver().solve(**healthy).velocity, abs=1e-6)
