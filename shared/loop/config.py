@@ -21,6 +21,7 @@ from shared.wire.links import NONE
 P = TypeVar("P", bound=Parameters)
 
 _CHUNK = re.compile(r"[A-Za-z0-9_-]+")
+_WORD = re.compile(r"[^\W\d_][\w-]*")
 
 
 class Misconfigured(Exception):
@@ -46,25 +47,31 @@ class OneLineParser(argparse.ArgumentParser):
         raise Misconfigured(f"{message}. See --help")
 
 
-def service_parser(service: str) -> OneLineParser:
-    """The options that every service process has."""
-    parser = OneLineParser(prog=f"python -m services.{service}")
+def bus_parser(process: str) -> OneLineParser:
+    """The options that every process on the bus has."""
+    parser = OneLineParser(prog=f"python -m services.{process}")
     parser.add_argument("--robot", default=os.environ.get("TANDEM_ROBOT", "tiago"), help="first chunk of every key")
     parser.add_argument(
         "--connect", default=os.environ.get("TANDEM_CONNECT", DEFAULT_ENDPOINT), help="endpoint of the Zenoh router"
-    )
-    parser.add_argument(
-        "--links",
-        default=os.environ.get("TANDEM_LINKS") or NONE,
-        metavar="ENDPOINT",
-        help="direct links to the other processes of the chain, which need them too: sockets, on one machine, or an "
-        "endpoint with {name}, such as tcp/{name}:7448 (default none: all goes through the router)",
     )
     parser.add_argument(
         "--secure",
         default=os.environ.get("TANDEM_SECURE", ""),
         metavar="FOLDER",
         help="certificates of this process, made by `tandem keys`, for a closed network",
+    )
+    return parser
+
+
+def service_parser(service: str) -> OneLineParser:
+    """The options that every service process has."""
+    parser = bus_parser(service)
+    parser.add_argument(
+        "--links",
+        default=os.environ.get("TANDEM_LINKS") or NONE,
+        metavar="ENDPOINT",
+        help="direct links to the other processes of the chain, which need them too: sockets, on one machine, or an "
+        "endpoint with {name}, such as tcp/{name}:7448 (default none: all goes through the router)",
     )
     parser.add_argument(
         "--config", default=os.environ.get("TANDEM_CONFIG") or None, help="TOML file, one table per service"
@@ -177,7 +184,8 @@ def service_assignment(text: str) -> tuple[str, str, str]:
 
 
 def value_of(text: str) -> Any:
-    """A value in TOML; a bare word is text, so that law=paper works without quotes inside quotes.
+    """A value in TOML; a bare word is text, so that law=paper works without quotes inside quotes: letters first, then
+    digits, too.
 
     Raises:
         ValueError: it is neither.
@@ -185,7 +193,7 @@ def value_of(text: str) -> Any:
     try:
         table = tomllib.loads(f"value = {text}")
     except (tomllib.TOMLDecodeError, RecursionError):
-        if text.replace("_", "").replace("-", "").isalpha():
+        if _WORD.fullmatch(text):
             return text
         raise ValueError(f"{text!r} is no TOML value") from None
     if len(table) > 1:

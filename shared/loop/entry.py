@@ -19,10 +19,8 @@ def enter(module: str) -> NoReturn:
     try:
         status = importlib.import_module(module).main()
     except ModuleNotFoundError as problem:
-        package = (problem.name or "").partition(".")[0]
-        if package in ("", "services", "shared"):
-            raise
-        print(_not_installed(module.split(".")[1], package), file=sys.stderr)
+        service = module.split(".")[1]
+        print(f"{service}: {missing(service, problem)}", file=sys.stderr)
         status = 2
     end(status)
 
@@ -33,14 +31,18 @@ def end_at_once() -> None:
         signal.signal(number, lambda _number, _frame: os._exit(0))
 
 
-def _not_installed(service: str, package: str) -> str:
+def missing(service: str, problem: ModuleNotFoundError) -> str:
+    """Which package a process lacks, and how to get it; raises the problem again where it is of this project itself."""
     from shared.processes import process_named
 
+    package = (problem.name or "").partition(".")[0]
+    if package in ("", "services", "shared"):
+        raise problem
     extra = process_named(service).extra
     remedy = f"pip install 'tandem[{extra}]'" if extra else "install tandem with its dependencies"
     if package == "pybullet" and sys.version_info >= (3, 12):
         remedy = f"it has no wheels above Python 3.11, and this is {sys.version_info[0]}.{sys.version_info[1]}"
-    return f"{service}: needs {package}, which is not installed: {remedy}"
+    return f"needs {package}, which is not installed: {remedy}"
 
 
 def end(status: int) -> NoReturn:

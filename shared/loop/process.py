@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from shared.clock import SteadyClock, seconds
-from shared.loop.config import Misconfigured, complain, settings
+from shared.loop.config import Misconfigured, Settings, complain, settings
 from shared.loop.door import SECOND, Door, Occupied
 from shared.loop.healthy import tell
 from shared.loop.runner import Runner
@@ -19,7 +19,6 @@ from shared.parameters import Parameters, Refused
 from shared.processes import LINKED, process_named
 from shared.service import Service
 from shared.topics import ROBOT
-from shared.wire.bus import Bus
 from shared.wire.credentials import Credentials
 from shared.wire.endpoint import BusError, check_endpoint
 from shared.wire.links import NoLinks, links_of
@@ -61,7 +60,19 @@ def run(make: Callable[[P], Service], parameters: type[P], name: str, arguments:
         chosen = settings(name, parameters, arguments)
         check_endpoint("--connect", chosen.connect)
         service = make(chosen.parameters)
-        own, credentials = process_named(name).publisher, Credentials.of(chosen.secure, chosen.robot, name)
+    except (Misconfigured, Refused, BusError) as problem:
+        return complain(name, problem)
+    try:
+        return _run(service, chosen, name, stop)
+    finally:
+        service.close()
+
+
+def _run(service: Service, chosen: Settings, name: str, stop: StopRequest) -> int:
+    """Connect the service, and run it until it is told to stop."""
+    try:
+        row = process_named(name)
+        own, credentials = row.publisher, Credentials.of(chosen.secure, chosen.robot, row.known_as)
         links = links_of(own, LINKED, chosen.links, chosen.robot, chosen.connect)
         told = told_waiting(name, chosen.connect, stop)
         bus = ZenohBus(chosen.robot, chosen.connect, told, links, own == ROBOT, credentials)
@@ -70,13 +81,13 @@ def run(make: Callable[[P], Service], parameters: type[P], name: str, arguments:
     except BusError as problem:
         return 0 if stop.requested else complain(name, problem)
     publisher = Publisher(bus, SteadyClock())
-    door = Door(bus, name, publisher.session, f"as {chosen.robot} on {chosen.connect}")
+    door = Door(bus, row.known_as, publisher.session, f"as {chosen.robot} on {chosen.connect}")
     try:
         door.enter(give_up=lambda: stop.requested)
         bus.link(give_up=lambda: stop.requested)
         if not stop.requested:
             loop = Loop(stop, door.gives_way)
-            remark = _remark(credentials, chosen.connect, bus, links is not None) if credentials else lambda: ""
+            remark = _remark(credentials, chosen.connect, bus) if credentials else lambda: ""
             how = (stop.wake.set, loop.on_driver, _report, publisher, remark, tell)
             loop.run(Runner(service, bus, SteadyClock(), *how))
     except Occupied as problem:
@@ -165,10 +176,16 @@ class Loop:
             self._collects_at = now + COLLECT_EVERY
 
 
-def _remark(credentials: Credentials, router: str, bus: Bus, listens: bool) -> Callable[[], str]:
-    """What is to be known of a process' certificate, asked now and then."""
-    looks = Renewal(credentials, keeps=listens).look, Lost(credentials, router, bus.connected).look
-    return lambda: "; ".join(filter(None, (look() for look in looks)))
+def _remark(credentials: Credentials, router: str, bus: ZenohBus) -> Callable[[], str]:
+    """What is to be known of a process' certificate, asked now and then; another one is shown at its links, too."""
+    renewal, lost = Renewal(credentials), Lost(credentials, router, bus.connected)
+
+    def look() -> str:
+        if renewal.renewed():
+            bus.link_anew()
+        return "; ".join(filter(None, (renewal.remark(), lost.look())))
+
+    return look
 
 
 def _report(line: str) -> None:
@@ -183,7 +200,9 @@ def told_waiting(name: str, connect: str, stop: StopRequest) -> Callable[[], boo
         nonlocal told
         if not told:
             told = True
-            _report(f"{name}: waiting for a Zenoh router at {connect}")
+            _report(
+                f"{name}: waiting for a Zenoh router at {connect}; `tandem up` or python -m services.router starts one"
+            )
         return stop.requested
 
     return give_up

@@ -49,10 +49,14 @@ class QueryDesk:
 
         return on_request
 
-    def serve(self) -> None:
-        """Answer one request, so that however many there are they delay a step by no more than that."""
+    def serve(self) -> tuple[str, bytes] | None:
+        """Answer one request, so that however many there are they delay a step by no more than that.
+
+        Returns:
+            Its key and payload; None if nothing was asked.
+        """
         if self._waiting.empty():
-            return
+            return None
         query, payload, reply = self._waiting.get_nowait()
 
         def answer(found: Record | Refused) -> None:
@@ -70,6 +74,7 @@ class QueryDesk:
             reply(_refused(f"{query.key} cannot make sense of the request ({type(problem).__name__}: {problem})"))
         if not self._waiting.empty():
             self._wake()
+        return query.key, payload
 
     def _set_parameters(self, request: Record) -> ParameterTable:
         assert isinstance(request, ParameterRequest)

@@ -10,11 +10,12 @@ from shared.clock import Clock, nanoseconds, seconds
 from shared.faults import Fault
 from shared.loop.arming import REARM_AFTER, Arming
 from shared.loop.causes import explained
+from shared.loop.diary import Diary, setup
 from shared.loop.health import health
 from shared.loop.queries import QueryDesk
 from shared.loop.timing import LoopTiming
 from shared.service import LONGEST_DT, Inputs, Output, Reading, Service
-from shared.topics import HEALTH_RATE, Topic, health_topic
+from shared.topics import HEALTH_RATE, SETUP_RATE, Topic, health_topic, setup_topic
 from shared.wire.bus import Bus, Leave, Work
 from shared.wire.publisher import Publisher
 from shared.wire.subscription import Received, Subscription
@@ -27,6 +28,7 @@ _NEVER = 2**62
 _REARM_AFTER_NS = nanoseconds(REARM_AFTER)
 _BRAKE_PERIOD_NS = nanoseconds(BRAKE_PERIOD)
 _HEALTH_PERIOD_NS = nanoseconds(1.0 / HEALTH_RATE)
+_SETUP_PERIOD_NS = nanoseconds(1.0 / SETUP_RATE)
 
 
 class Runner:
@@ -61,7 +63,7 @@ class Runner:
         self._bus = bus
         self._clock = clock
         self._report = report
-        self._remark, self._remarked = remark, ""
+        self._remark, self._remarked, self._cut_off = remark, "", ""
         self._say = say
         self._publisher = publisher or Publisher(bus, clock)
         self.publish = self._publisher.publish
@@ -71,6 +73,7 @@ class Runner:
         self._period_ns = 0 if isinstance(wiring.driver, Topic) else nanoseconds(wiring.driver)
         self.subscriptions: dict[str, Subscription] = {}
         now = clock.now_ns()
+        self._diary = Diary(now)
         self._last_call = now
         self._next_tick = now + self._period_ns
         self._next_brake = _NEVER if self._driver is None else now
@@ -82,7 +85,8 @@ class Runner:
         self.fault: Fault | None = None
         self.timing = LoopTiming(clock)
         self._health_topic = health_topic(wiring.name)
-        self._health_due = 0
+        self._setup_topic = setup_topic(wiring.name)
+        self._health_due = self._setup_due = 0
         self._links = bus.links()
         self._desk = QueryDesk(self.service, wake)
         for topic in dict.fromkeys((*wiring.required, *wiring.optional)):
@@ -96,7 +100,8 @@ class Runner:
         bus.alive(wiring.name, self._publisher.session)
 
     def _subscription(self, topic: Topic) -> Subscription:
-        return Subscription(topic, self._clock, named=lambda session: self._bus.present().get(session, ""))
+        named, noted = (lambda session: self._bus.present().get(session, "")), self._diary.input(topic.key)
+        return Subscription(topic, self._clock, named=named, noted=noted)
 
     def next_deadline(self) -> int:
         """When ``poll`` is due at the latest [ns], if nothing wakes it before."""
@@ -110,6 +115,7 @@ class Runner:
             behind: the driver's newest message arrived while the last poll was still at work.
         """
         now = self._clock.now_ns()
+        self._diary.turn(now, behind)
         if now - self.next_deadline() > _REARM_AFTER_NS:
             # The whole process was stopped or starved: nobody watched the inputs meanwhile.
             self._arming.restart()
@@ -122,13 +128,16 @@ class Runner:
                 self._on_sample(now, latest, behind)
             elif now >= self._next_brake:
                 self._watch(now)
-        self._desk.serve()
+        if (served := self._desk.serve()) is not None:
+            self._tell_setup(now, *served)
         if self.service.renewed:
             self._publisher.renew(self.service.renewed)
             self.service.renewed = ()
         self._follow_demand()
         if now >= self._health_due:
             self._tell_health(self._clock.now_ns())
+        if now >= self._setup_due:
+            self._tell_setup(now)
 
     def _follow_demand(self) -> None:
         """Subscribe to the occasional inputs that are of use, leave those that are not."""
@@ -209,6 +218,7 @@ class Runner:
             self._send(now, self.service.brake(fault, dt), False)
         self.fault = fault
         self._next_brake = self._brake_deadline(now)
+        self._diary.done(self._clock.now_ns())
         self._tell(fault)
 
     def _send(self, now: int, outputs: Iterable[Output], healthy: bool) -> None:
@@ -269,10 +279,20 @@ class Runner:
             self._remarked = remark
             if remark:
                 self._report(f"{self.service.wiring.name}: {remark}")
+        before, self._cut_off = self._cut_off, self._bus.cut_off()
+        if bool(before) != bool(self._cut_off):
+            # A robot whose router hangs can say it nowhere else.
+            word = f"nobody could stop the robot: {self._cut_off}" if self._cut_off else "it can be stopped again"
+            self._report(f"{self.service.wiring.name}: {word}")
         told = self.fault, self.timing, self.subscriptions, self._taken(), self._links, remark
         message = health(now, self.service, *told)
         self.publish(self._health_topic, message, valid=self.fault is None)
         self._say(message.state, message.detail)
+
+    def _tell_setup(self, now: int, key: str = "", request: bytes = b"") -> None:
+        """Stamped with the moment of the poll, in which the request under that key was taken up."""
+        self._setup_due = now + _SETUP_PERIOD_NS
+        self.publish(self._setup_topic, setup(self.service, self._diary, key, request), stamp=now)
 
     def close(self) -> None:
         """Brake once more, so that the robot need not wait for silence."""

@@ -11,6 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from msgspec import Meta
 
+_ROUNDING = 1e-15  # of a norm that was made 1
 _NORM_TOLERANCE = 1e-3
 FLOAT_ONLY = {float}
 _LEAST_INTEGER, _END_OF_INTEGERS = -(2**63), 2**64
@@ -174,6 +175,9 @@ class Direction(Vector):
         norm = math.hypot(*numbers)
         if abs(norm - 1.0) > _NORM_TOLERANCE:
             raise InvalidField(f"{name} has norm {norm:g}, wanted {self._form}")
+        if abs(norm - 1.0) <= _ROUNDING:
+            # What was normalised once stays as it is, to the last bit, however often it is read again.
+            return numbers
         return tuple(number / norm for number in numbers)
 
 

@@ -13,16 +13,30 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from shared.processes import ROUTER, SERVICES, publisher_named
-from shared.topics import ANYBODY, CONTROL_TARGET, QUERIES, ROBOT, TOPICS, Query, Topic
+from shared.processes import HEALTHY, ROUTER, publisher_named
+from shared.topics import (
+    ANYBODY,
+    CONTROL_TARGET,
+    OPERATOR,
+    PAGE,
+    QUERIES,
+    ROBOT,
+    SIM_COMMAND,
+    TASK_COMMAND,
+    TOPICS,
+    Query,
+    Topic,
+)
 
-OPERATOR = "operator"
-"""The person's command line: it may ask everything, stop, and lead the tool as an experiment may."""
 ASKERS = (OPERATOR, "experiment")
-"""Participants that may send queries: nothing in the chain asks anything."""
+"""Participants that may send every query: nothing in the chain asks anything."""
 READER = "viewer"
 """A participant that may only read."""
-PARTICIPANTS = (*SERVICES, ROBOT, OPERATOR, READER)
+PAGE_ASKS = (TASK_COMMAND, SIM_COMMAND)
+"""What the person's page may ask: what its buttons stand for."""
+PARTICIPANTS = (*(name for name in HEALTHY if name != ROUTER.name), OPERATOR, READER, PAGE)
+SILENT = (OPERATOR, READER, PAGE)
+"""Participants that tell no health."""
 _SAY = ("put", "delete")
 _SERVE = ("reply", "declare_queryable")
 _READ = ("declare_subscriber", "liveliness_query", "declare_liveliness_subscriber")
@@ -47,19 +61,19 @@ def may_publish(participant: str, topic: Topic) -> bool:
         return False
     if ANYBODY in topic.publishers:
         return True
-    if participant == OPERATOR:
-        return topic is CONTROL_TARGET
+    if participant == OPERATOR and topic is CONTROL_TARGET:
+        return True  # it leads the tool as an experiment may
     return publisher_named(participant) in topic.publishers
 
 
 def may_ask(participant: str, query: Query) -> bool:
     """Whether a participant may send a query."""
-    return participant in ASKERS
+    return participant in ASKERS or (participant == PAGE and query in PAGE_ASKS)
 
 
 def may_serve(participant: str, query: Query) -> bool:
     """Whether a participant may answer a query."""
-    return publisher_named(participant) == query.server
+    return publisher_named(participant) in query.servers
 
 
 def access(robots: Sequence[str]) -> dict[str, Any]:
@@ -98,8 +112,8 @@ def access(robots: Sequence[str]) -> dict[str, Any]:
 def _own(participant: str) -> Iterator[tuple[str, tuple[str, ...], list[str]]]:
     """Rules of a participant's own: a word for each, the messages, and the keys without the robot; none is empty."""
     said = [topic.key for topic in TOPICS if may_publish(participant, topic)]
-    if participant not in (OPERATOR, READER):
-        said.append(f"health/{participant}")
+    if participant not in SILENT:
+        said += [f"health/{participant}", f"setup/{participant}"]
     if publisher_named(participant) == ROBOT:
         # What a robot sends to itself, to see whether the router hands it on.
         said.append("beat/*")

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 from shared.clock import Clock, SteadyClock
+from shared.faults import FaultKind
 from shared.parameters import Refused
+from shared.processes import speakers
 from shared.schema.fields import InvalidField, shown
 from shared.schema.records import Record
-from shared.topics import LONGEST_REASON, Query, Topic
-from shared.wire.access import OPERATOR, may_ask, may_publish, participant_of
+from shared.topics import LONGEST_REASON, OPERATOR, Query, Topic
+from shared.wire.access import may_ask, may_publish, participant_of
 from shared.wire.bus import Bus
 from shared.wire.codec import Rejected, decode_map, encode_map
 from shared.wire.credentials import Credentials
@@ -28,10 +31,14 @@ class Client:
         bus: on which the others are.
         clock: steady.
         name: by which others know who its session is; empty for who publishes nothing.
+        credentials: of its bus; those that the environment names if left out.
     """
 
-    def __init__(self, bus: Bus, clock: Clock | None = None, name: str = "") -> None:
+    def __init__(
+        self, bus: Bus, clock: Clock | None = None, name: str = "", credentials: Credentials | None = None
+    ) -> None:
         self.bus = bus
+        self.credentials = credentials
         self.clock = clock or SteadyClock()
         self.publisher = Publisher(bus, self.clock)
         self.publish = self.publisher.publish
@@ -52,7 +59,7 @@ class Client:
             NoReply: nobody answered within ``timeout`` [s].
             Refused: the answer was a refusal; the text is the reason.
         """
-        if why := forbidden(query):
+        if why := forbidden(query, self.credentials):
             raise BusError(why)
         asked = request or {}
         try:
@@ -70,11 +77,11 @@ class Client:
         return answer
 
 
-def forbidden(what: Topic | Query) -> str:
-    """Why the certificate that the environment names does not allow to publish or ask something; empty if it does, or
-    if there is none.
+def forbidden(what: Topic | Query, credentials: Credentials | None = None) -> str:
+    """Why a certificate, or without one that which the environment names, does not allow to publish or ask something;
+    empty if it does, or if there is none.
     """
-    credentials = Credentials.given()
+    credentials = credentials or Credentials.given()
     if credentials is None:
         return ""
     name = credentials.own().name
@@ -83,3 +90,20 @@ def forbidden(what: Topic | Query) -> str:
         return ""
     word = "ask" if isinstance(what, Query) else "publish"
     return f"the certificate of {name} may not {word} {what.key}; {OPERATOR}'s may (TANDEM_SECURE)"
+
+
+def unheard(subscription: Subscription) -> str:
+    """Why there is no message of a topic: nothing came, or nothing that came could be used; empty if there is one,
+    though it may say itself that it is not to be trusted.
+    """
+    fault = subscription.fault(subscription.now_ns(), math.inf)
+    if fault is None or fault.kind is FaultKind.INVALID:
+        return ""
+    return f"{str(fault).rstrip(chr(46))} See: tandem status"
+
+
+def unanswered(bus: Bus, query: Query, within: float) -> str:
+    """Why there was no answer to a query within a time [s], as far as the bus knows."""
+    there = any(not bus.living().isdisjoint(speakers(server)) for server in query.servers)
+    why = f"{query.server} lives, but does not answer" if there else f"{query.server} is not running"
+    return f"no answer on {query.key} within {within:g} s: {why}. See: tandem status"

@@ -7,28 +7,33 @@ its messages. A writer that is killed leaves a file that lacks at most the last 
 from __future__ import annotations
 
 import json
-import queue
+import re
 import struct
 import threading
 import time
+from collections import deque
 from collections.abc import Container, Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from shared.messages import Header
 from shared.schema.json_schema import json_schema
+from shared.schema.valid_json import valid_json
 from shared.topics import topic_by_key
 
 SUFFIX = ".mcap"
 _WAITING = 20_000
 """Payloads that may wait to be written, some seconds' worth; what comes beyond is counted and lost, not waited for."""
+_SLICE = 0.05  # [s] of messages that are written at a time: a thread that each one wakes costs more than the writing
 _PART = 0.25  # [s] after which what was heard is on the disk
 _CHUNK = 1 << 20  # [bytes] of messages that are packed together at most
 _FILES = 8
 """Files that a bounded recording consists of: the oldest goes when another one is begun."""
 ABOUT = "about"
 """Name of what the beginning of each file says of the recording."""
+_NUMBER = re.compile(r"-\d{4}$")
+"""What the name of one of several files of a recording ends with."""
 _LARGEST = 1 << 28  # [bytes] of a chunk: what says more is no recording
 
 
@@ -67,7 +72,8 @@ class LogWriter:
         # Readers of MCAP want a time of day; it counts on evenly, since what was heard is timed by the steady clock.
         self._wall = time.time_ns() - time.monotonic_ns()
         self._about = {**about, "wall_ns": self._wall}
-        self._queue: queue.Queue[Heard | tuple[str, Mapping[str, Any]] | None] = queue.Queue(_WAITING)
+        self._waiting: deque[Heard | tuple[str, Mapping[str, Any]]] = deque()
+        self._ended = threading.Event()
         self.heard = self.lost = self.written = 0
         self.problem = ""
         self._old: list[Path] = []
@@ -78,19 +84,19 @@ class LogWriter:
     def take(self, key: str, arrival_ns: int, payload: bytes) -> None:
         """Have a payload written; from any thread, and never waiting."""
         self.heard += 1
-        try:
+        if len(self._waiting) < _WAITING:
             # As mere bytes: what a payload was encoded from takes several times its memory.
-            self._queue.put_nowait(Heard(key, arrival_ns, bytes(payload)))
-        except queue.Full:
+            self._waiting.append(Heard(key, arrival_ns, bytes(payload)))
+        else:
             self.lost += 1
 
     def note(self, name: str, content: Mapping[str, Any]) -> None:
         """Have something said of the recording so far, under a name; JSON types."""
-        self._queue.put((name, content))
+        self._waiting.append((name, content))
 
     def close(self) -> None:
         """Write what is waiting and end the file."""
-        self._queue.put(None)
+        self._ended.set()
         self._thread.join()
 
     def _next(self, number: int) -> _File:
@@ -98,13 +104,12 @@ class LogWriter:
         return _File(path, number, self._about)
 
     def _run(self) -> None:
-        flushed = time.monotonic()
-        while True:
-            with suppress(queue.Empty), self._noted():
-                entry = self._queue.get(timeout=_PART)
-                if entry is None:
-                    break
-                self._write(entry)
+        flushed, ended = time.monotonic(), False
+        while self._waiting or not ended:
+            ended = self._ended.wait(_SLICE)
+            with self._noted():
+                for _ in range(len(self._waiting)):
+                    self._write(self._waiting.popleft())
             if time.monotonic() - flushed > _PART and not self.problem:
                 flushed = time.monotonic()
                 with self._noted():
@@ -159,7 +164,7 @@ class _File:
         self.say(ABOUT, about)
 
     def say(self, name: str, content: Mapping[str, Any]) -> None:
-        self._writer.add_metadata(name, {"json": json.dumps(content)})
+        self._writer.add_metadata(name, {"json": valid_json(content)})
 
     def add(self, heard: Heard, wall: int) -> None:
         channel = self._channels.get(heard.key) or self._channel(heard.key)
@@ -187,11 +192,14 @@ class _File:
 
 
 def write_log(path: Path, about: Mapping[str, Any], heard: Iterable[Heard], **notes: Mapping[str, Any]) -> None:
-    """Write a whole recording at once, where nobody waits for the disk; its times of day begin in 1970."""
+    """Write a whole recording at once, where nobody waits for the disk.
+
+    Its times of day begin in 1970, unless ``about`` says with the `wall_ns` of another recording when that was.
+    """
     path.unlink(missing_ok=True)
-    file = _File(path, 1, {**about, "wall_ns": 0})
+    file = _File(path, 1, {"wall_ns": 0, **about})
     for one in heard:
-        file.add(one, 0)
+        file.add(one, about.get("wall_ns", 0))
     for name, content in notes.items():
         file.say(name, content)
     file.end()
@@ -234,6 +242,8 @@ class Log:
         from mcap.stream_reader import StreamReader
         from zstandard import ZstdError
 
+        # What is damaged may say any length: the last two come of reading as many bytes.
+        unreadable = McapError, KeyError, ValueError, TypeError, struct.error, ZstdError, MemoryError, OverflowError
         wall = 0
         channels: dict[int, str] = {}
         with self._path.open("rb") as stream:
@@ -247,8 +257,24 @@ class Log:
                         case Metadata():
                             self.about[record.name] = json.loads(record.metadata["json"])
                             wall = self.about[ABOUT]["wall_ns"]
-            except (McapError, KeyError, ValueError, TypeError, struct.error, ZstdError) as problem:
+            except unreadable as problem:
                 # Its writer was killed in the middle of a record.
                 if not stream.read(1):
                     return
                 raise NoRecording(f"{self._path}: damaged, or no recording ({type(problem).__name__})") from None
+
+
+def recordings(place: Path) -> list[list[Path]]:
+    """The recordings at a place, a file or a folder: each is a file, or the numbered files of a bounded one in order.
+
+    Raises:
+        NoRecording: there is none.
+    """
+    if place.is_file():
+        return [[place]]
+    found: dict[Path, list[Path]] = {}
+    for path in sorted(place.glob(f"**/*{SUFFIX}")):
+        found.setdefault(path.with_stem(_NUMBER.sub("", path.stem)), []).append(path)
+    if not found:
+        raise NoRecording(f"{place}: no recording (*{SUFFIX}) in it" if place.is_dir() else f"{place}: not there")
+    return list(found.values())

@@ -1,6 +1,6 @@
 """Whether a process' certificate was replaced while it runs, and whether it ends soon.
 
-Zenoh reads the files anew whenever it dials, and never again once it listens.
+Zenoh reads the files anew whenever it dials, and never again once it listens: whoever does has to listen anew.
 """
 
 from __future__ import annotations
@@ -22,14 +22,12 @@ class Renewal:
 
     Args:
         credentials: those in use, which can be used.
-        keeps: whether the process listens, for direct links, and so shows until its end what it began with.
     """
 
-    def __init__(self, credentials: Credentials, keeps: bool = False) -> None:
+    def __init__(self, credentials: Credentials) -> None:
         self._credentials = credentials
         self._taken = self._seen = credentials.stamp()
-        self._own = self._shown = credentials.own()
-        self._keeps = keeps
+        self._own = credentials.own()
         self._trouble = ""
 
     def renewed(self) -> bool:
@@ -51,25 +49,17 @@ class Renewal:
         # Written anew, or with another file still to come, it may be the same.
         another = own != self._own
         self._own, self._trouble = own, ""
-        self._shown = self._shown if self._keeps else own
         return another
-
-    def look(self) -> str:
-        """What is to be known of the certificate after another look at the files, for who does not listen."""
-        self.renewed()
-        return self.remark()
 
     def remark(self) -> str:
         """Why changed files are not taken over, or that the certificate has ended or ends soon; empty if neither."""
         if self._trouble:
             return self._trouble
-        shown, now = self._shown, time.time()
+        own, now = self._own, time.time()
         remedy = f"make another one in {self._credentials.folder} with `tandem keys`"
-        if shown != self._own:
-            remedy = "there is another one, start this process again to have it shown at its direct links"
-        if shown.expired(now):
-            return f"the certificate of {shown.name} expired on {shown.end}: {remedy}"
-        return f"the certificate of {shown.name} ends on {shown.end}: {remedy}" if shown.ends_soon(now) else ""
+        if own.expired(now):
+            return f"the certificate of {own.name} expired on {own.end}: {remedy}"
+        return f"the certificate of {own.name} ends on {own.end}: {remedy}" if own.ends_soon(now) else ""
 
 
 class Lost:

@@ -59,6 +59,7 @@ class Subscription(Generic[M]):
         clock: the receiver's steady clock.
         on_message: called with each accepted message, from the thread that offered it.
         named: name of the participant of a session, empty if not known.
+        noted: given when [ns] each payload arrived, good or bad, after it was taken in.
     """
 
     def __init__(
@@ -67,11 +68,13 @@ class Subscription(Generic[M]):
         clock: Clock,
         on_message: Callable[[Received[M]], None] | None = None,
         named: Callable[[int], str] = lambda session: "",
+        noted: Callable[[int, bytes], None] = lambda arrival, payload: None,
     ) -> None:
         self.topic = topic
         self._clock = clock
         self._on_message = on_message
         self._named = named
+        self._noted = noted
         self._lock = threading.Lock()
         self._latest: Received[M] | None = None
         self._behind: Header | None = None
@@ -117,9 +120,11 @@ class Subscription(Generic[M]):
                 self.rejected += 1
                 self.last_rejection = str(problem)
                 self._leave_unused(self.last_rejection, arrival)
+                self._noted(arrival, payload)
             return
         with self._lock:
             received = self._accept(header, message, arrival)
+            self._noted(arrival, payload)
         if received is not None and self._on_message is not None:
             self._on_message(received)
 

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import zenoh
 
 from shared.topics import MAP_CAP, topic_by_key
 from shared.wire.bus import Leave, NoReply, OnPayload, OnRequest, Work
 from shared.wire.credentials import Credentials
-from shared.wire.endpoint import DEFAULT_ENDPOINT, check_endpoint
+from shared.wire.endpoint import DEFAULT_ENDPOINT, BusError, check_endpoint
 from shared.wire.links import Links
 from shared.wire.router_watch import RouterWatch
+from shared.wire.zenoh_renewable import Renewable
 from shared.wire.zenoh_sessions import Place, linked, open_client, open_peer, prepare
 
 _NEWEST = 16
 """So many of the newest payloads are kept while a thread is busy; what matters is the last, the others are counted."""
 _ALIVE, _BEAT = "alive", "beat"
+_AGAIN = 1.0  # [s] between two attempts to make the links anew with a certificate that is refused
 
 
 def _follow(subscriber: zenoh.Subscriber, on_payload: OnPayload, work: Work) -> None:
@@ -74,11 +75,10 @@ class ZenohBus:
         prepare()
         check_endpoint("--connect", connect)
         self._place, self._links, self._watched = Place(robot, connect, credentials), links, watched
-        self._session = self._control = open_client(self._place, give_up)
+        self._session = open_client(self._place, give_up)
+        self._client = self._control = Renewable(self._session, self._publisher)
         self._robot = robot
-        self._lock = threading.Lock()
-        self._publishers: dict[str, zenoh.Publisher] = {}
-        self._declared: list[zenoh.Subscriber | zenoh.Queryable] = []
+        self._relinking, self._closed = threading.Lock(), threading.Event()
         self._tokens: dict[str, zenoh.LivelinessToken] = {}
         self._present: dict[int, str] = {}
         self._comings: zenoh.Subscriber | None = None
@@ -95,41 +95,54 @@ class ZenohBus:
         """
         if self._links is None:
             return
-        self._control = open_peer(self._place, self._links, give_up)
+        self._control = Renewable(open_peer(self._place, self._links, give_up), self._publisher)
         if self._watched:
             # By the way that a stop takes: only the router connects the two sessions.
-            key = self._full(f"{_BEAT}/{self._control.info.zid()}")
+            key = self._full(f"{_BEAT}/{self._session.info.zid()}")
             beat = self._session.declare_publisher(key, congestion_control=zenoh.CongestionControl.DROP, express=True)
             watch = self._watch = RouterWatch(self.connected, lambda: beat.put(b""))
-            self._declared.append(self._control.declare_subscriber(key, lambda sample: watch.heard()))
+            self._control.declare(lambda session: session.declare_subscriber(key, lambda sample: watch.heard()))
 
-    def _of(self, key: str) -> zenoh.Session:
+    def link_anew(self) -> None:
+        """Have the direct links made again, aside, with the certificate that is in its files now.
+
+        Zenoh reads them when a session begins to listen, and never again. Silence until the links stand, about a
+        second: whoever reads brakes, and goes on by itself.
+        """
+        if self._links is not None:
+            threading.Thread(target=self._link_anew, args=(self._links,), name="link anew", daemon=True).start()
+
+    def _link_anew(self, links: Links) -> None:
+        with self._relinking:
+            # First: two sessions of one process would be two of its kind (``link``).
+            self._control.close()
+            while not self._closed.is_set():
+                try:
+                    self._control.renew(open_peer(self._place, links, self._closed.is_set))
+                    break
+                except BusError:
+                    # Why the router does not take it is said by whoever finds out (``renewal.Lost``).
+                    self._closed.wait(_AGAIN)
+        if self._closed.is_set():
+            self._control.close()
+
+    def _of(self, key: str) -> Renewable:
         """The session for messages of a key."""
-        return self._session if _bulky(key) else self._control
+        return self._client if _bulky(key) else self._control
 
     def _full(self, key: str) -> str:
         return f"{self._robot}/{key}"
 
     def publish(self, key: str, payload: bytes) -> None:
         """Send a payload to every subscriber of the key; without a router it is dropped."""
-        self._publisher(key).put(payload)
+        self._of(key).put(key, payload)
 
     def wanted(self, key: str) -> bool:
         """Whether anybody subscribes to the key at present, as far as the router has told."""
-        # Zenoh's own type hints take this for a bool.
-        status: Any = self._publisher(key).matching_status
-        return bool(status.matching)
+        return self._of(key).wanted(key)
 
-    def _publisher(self, key: str) -> zenoh.Publisher:
-        publisher = self._publishers.get(key)
-        if publisher is None:
-            with self._lock:
-                # Declared once: the first put of an undeclared key costs a round trip each time.
-                publisher = self._publishers[key] = self._declare(key)
-        return publisher
-
-    def _declare(self, key: str) -> zenoh.Publisher:
-        return self._of(key).declare_publisher(
+    def _publisher(self, session: zenoh.Session, key: str) -> zenoh.Publisher:
+        return session.declare_publisher(
             self._full(key),
             encoding=zenoh.Encoding("application/msgpack"),
             # Blocking, a put stands still for seconds behind a hung router, and with it the loop that controls. What
@@ -148,9 +161,13 @@ class ZenohBus:
         if work is None:
             self.listen(key, on_payload)
             return
-        subscriber = self._of(key).declare_subscriber(self._full(key), zenoh.handlers.RingChannel(_NEWEST))
-        self._declared.append(subscriber)
-        threading.Thread(target=_follow, args=(subscriber, on_payload, work), name=key, daemon=True).start()
+
+        def followed(session: zenoh.Session) -> zenoh.Subscriber:
+            subscriber = session.declare_subscriber(self._full(key), zenoh.handlers.RingChannel(_NEWEST))
+            threading.Thread(target=_follow, args=(subscriber, on_payload, work), name=key, daemon=True).start()
+            return subscriber
+
+        self._of(key).declare(followed)
 
     def listen(self, key: str, on_payload: OnPayload) -> Leave:
         """Subscribe until what is returned is called, from one of Zenoh's threads."""
@@ -158,14 +175,7 @@ class ZenohBus:
         def on_sample(sample: zenoh.Sample) -> None:
             on_payload(sample.payload.to_bytes())
 
-        subscriber = self._of(key).declare_subscriber(self._full(key), on_sample)
-        self._declared.append(subscriber)
-
-        def leave() -> None:
-            self._declared.remove(subscriber)
-            subscriber.undeclare()
-
-        return leave
+        return self._of(key).declare(lambda session: session.declare_subscriber(self._full(key), on_sample))
 
     def serve(self, key: str, on_request: OnRequest) -> None:
         """Answer queries under the key."""
@@ -180,7 +190,7 @@ class ZenohBus:
             request = query.payload.to_bytes() if query.payload is not None else b""
             on_request(request[: MAP_CAP + 1], reply)
 
-        self._declared.append(self._session.declare_queryable(full, on_query, complete=True))
+        self._client.declare(lambda session: session.declare_queryable(full, on_query, complete=True))
 
     def query(self, key: str, payload: bytes, timeout: float) -> bytes:
         """Ask, and wait for the first answer at most ``timeout`` [s].
@@ -244,7 +254,7 @@ class ZenohBus:
 
     def connected(self) -> bool:
         """Whether a router is there at present."""
-        return bool(self._control.info.routers_zid())
+        return bool(self._control.ask(zenoh.SessionInfo.routers_zid))
 
     def cut_off(self) -> str:
         """Why nobody but the processes of the chain can reach this one; empty if they can, or if it is not watched."""
@@ -254,13 +264,13 @@ class ZenohBus:
         """Whether there is a direct link to each other process of the chain."""
         if self._links is None:
             return {}
-        there = linked(self._control, self._links)
+        there = linked(self._control.ask(zenoh.SessionInfo.peers_zid), self._links)
         return {name: name in there for name in self._links.others}
 
     def close(self) -> None:
         """Leave the bus. Without this a process with subscriptions does not end."""
+        self._closed.set()
         if self._watch:
             self._watch.close()
         self._control.close()
-        if self._control is not self._session:
-            self._session.close()
+        self._client.close()

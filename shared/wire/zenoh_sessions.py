@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import secrets
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -186,9 +186,9 @@ def open_peer(place: Place, links: Links, give_up: Callable[[], bool]) -> zenoh.
     return _opened(settings, place, give_up, f"{links.names.index(links.own) + 1:x}")
 
 
-def linked(session: zenoh.Session, links: Links) -> set[str]:
-    """Names of the processes of the chain to which there is a direct link."""
-    places = {str(peer)[:-16] for peer in session.info.peers_zid()}
+def linked(peers: Iterable[zenoh.ZenohId], links: Links) -> set[str]:
+    """Names of the processes of the chain that are among a session's peers."""
+    places = {str(peer)[:-16] for peer in peers}
     return {name for place, name in enumerate(links.names, 1) if f"{place:x}" in places}
 
 

@@ -8,8 +8,13 @@ import threading
 
 import pytest
 
+from services.mock.parameters import MockParameters
+from services.mock.robot import MockRobot
+from shared.loop import process
 from shared.loop.process import Loop, StopRequest
+from shared.parameters import Refused
 from tests.shared.loop.rig import Rig
+from tests.support.ports import free_port
 from tests.support.wait import eventually
 
 pytestmark = pytest.mark.usefixtures("as_a_process")
@@ -52,3 +57,20 @@ def test_a_failure_in_the_bus_thread_ends_the_loop_and_brakes(rig: Rig) -> None:
         loop.run(rig.runner)
     thread.join()
     assert rig.service.brakes
+
+
+def test_what_a_service_holds_is_let_go_of_even_if_it_never_got_onto_the_bus(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Held(MockRobot):
+        closed = 0
+
+        def close(self) -> None:
+            Held.closed += 1
+
+    def refuse(_: MockParameters) -> MockRobot:
+        raise Refused("no such robot")
+
+    monkeypatch.setattr(process, "told_waiting", lambda *_: lambda: True)
+    nobody = ["--connect", f"tcp/127.0.0.1:{free_port()}"]
+    process.run(Held, MockParameters, "mock", nobody)
+    assert Held.closed == 1
+    assert process.run(refuse, MockParameters, "mock", nobody) == 2

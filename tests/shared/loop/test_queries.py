@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from shared.parameters import Refused
 from shared.requests import Nothing, Tare, Tared
 from shared.schema.records import Record
-from shared.topics import CONTROL_PARAMETERS, TASK_COMMAND, WRENCH_TARE
+from shared.topics import CONTROL_PARAMETERS, TASK_COMMAND, WRENCH_TARE, setup_topic
 from shared.wire.bus import NoReply
 from shared.wire.codec import encode_map
 from tests.shared.loop.rig import Rig
@@ -32,6 +32,21 @@ def test_a_query_is_answered_by_the_service() -> None:
     rig.stack.client.ask(WRENCH_TARE)
     assert [type(request) for request in asked] == [Tare, Tare]
     assert [request.to_plain()["duration"] for request in asked] == [2.0, 1.0]
+
+
+def test_what_a_service_works_by_is_told_with_each_request_and_every_second() -> None:
+    rig = Rig(driver=0.02, required=())
+    told: list[tuple[float, Record]] = []
+    rig.stack.client.watch(setup_topic("recorder"), lambda heard: told.append((heard.header.stamp, heard.message)))
+    rig.stack.run(2.5)
+    rig.stack.client.ask(CONTROL_PARAMETERS, {"set": {"gain": 3.0}})
+    asked = rig.stack.scheduler.clock.now_ns()
+    rig.stack.run(4.0)
+    assert [stamp for stamp, _ in told][:4] == [0, 1_000_000_000, 2_000_000_000, asked]
+    assert [message.parameters["gain"] for _, message in told][:5] == [1.0, 1.0, 1.0, 3.0, 3.0]
+    assert [(message.query, message.request) for _, message in told if message.query] == [
+        (CONTROL_PARAMETERS.key, encode_map({"set": {"gain": 3.0}}))
+    ]
 
 
 @pytest.mark.parametrize("request_", [{"duration": 0}, {"duration": "long"}, {"duration": [1]}])

@@ -37,7 +37,7 @@ def test_each_says_what_the_table_lets_it_say(participant: str) -> None:
     for topic in TOPICS:
         expected = (ANYBODY in topic.publishers or speaks in topic.publishers) and participant != "viewer"
         if participant == "operator":
-            expected = topic.key in ("stop", "control/target")
+            expected = topic.key in ("stop", "control/target", "operator/enable")
         assert allowed(common_name("tiago", participant), "put", f"tiago/{topic.key}") == expected, topic.key
         assert not allowed(common_name("tiago", participant), "put", f"reem/{topic.key}")
 
@@ -48,8 +48,10 @@ def test_only_the_server_answers_and_only_a_person_asks(participant: str) -> Non
     name = common_name("tiago", participant)
     for query in QUERIES:
         key = f"tiago/{query.key}"
-        assert allowed(name, "declare_queryable", key) == allowed(name, "reply", key) == (speaks == query.server)
-        assert allowed(name, "query", key) == (participant in ("operator", "experiment"))
+        assert allowed(name, "declare_queryable", key) == allowed(name, "reply", key) == (speaks in query.servers)
+        asks = participant in ("operator", "experiment")
+        asks |= participant == "page" and query.key in ("task/command", "sim/command")
+        assert allowed(name, "query", key) == asks
 
 
 @pytest.mark.parametrize("participant", PARTICIPANTS)
@@ -57,8 +59,9 @@ def test_a_token_and_a_health_are_one_s_own(participant: str) -> None:
     name = common_name("tiago", participant)
     for other in PARTICIPANTS:
         assert allowed(name, "liveliness_token", f"tiago/alive/{other}/17") == (other == participant)
-        own = other == participant and participant not in ("operator", "viewer")
-        assert allowed(name, "put", f"tiago/health/{other}") == own
+        own = other == participant and participant not in ("operator", "viewer", "page")
+        for kind in ("health", "setup"):
+            assert allowed(name, "put", f"tiago/{kind}/{other}") == own
 
 
 def test_all_read_and_none_reads_another_robot() -> None:

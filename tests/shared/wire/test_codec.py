@@ -104,6 +104,7 @@ def test_only_the_fields_to_which_the_contract_gives_a_default_may_be_missing() 
     }
     assert optional == {
         "RobotStatus.held",  # a robot whose gate does not count
+        "RobotStatus.require_enable",  # a robot without an enabling device
         "TwistCommand.ttl",
         "BaseTwistCommand.ttl",
         "ControlTarget.nominal_force",

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 from shared.topics import TOPICS, health_topic
-from shared.wire.log import ABOUT, Heard, Log, LogWriter, NoRecording, write_log
+from shared.wire.log import ABOUT, Heard, Log, LogWriter, NoRecording, recordings, write_log
 from tests.support.wait import eventually
 
 KEYS = st.sampled_from(("sensor/ft", "health/wrench", "a stranger's"))
@@ -49,6 +50,16 @@ def test_a_writer_writes_what_it_is_given_and_readers_of_mcap_see_the_contract(t
     assert {"seq", "session", "stamp", "valid", "force"} <= set(schemas["FtSample"]["required"])
 
 
+def test_what_is_said_of_it_is_json_for_every_reader(tmp_path: Path) -> None:
+    write_log(tmp_path / "run.mcap", {}, [], end={"lasts": math.inf})
+    with (tmp_path / "run.mcap").open("rb") as file:
+        said = {
+            one.name: json.loads(one.metadata["json"], parse_constant=pytest.fail)
+            for one in make_reader(file).iter_metadata()
+        }
+    assert said["end"] == {"lasts": None}
+
+
 def test_what_was_heard_a_moment_ago_is_on_the_disk_without_an_end(tmp_path: Path) -> None:
     path, copy = tmp_path / "a.mcap", tmp_path / "copy.mcap"
     log = LogWriter(path, {})
@@ -63,6 +74,8 @@ def test_what_was_heard_a_moment_ago_is_on_the_disk_without_an_end(tmp_path: Pat
     log.close()
 
 
+@example(share=1.0, flips=[134])
+@example(share=1.0, flips=[137])
 @given(share=st.floats(0.0, 1.0), flips=st.lists(st.integers(0, 10**6), max_size=3))
 def test_a_damaged_file_gives_what_it_holds_or_is_refused_in_one_line(
     share: float, flips: list[int], tmp_path_factory: pytest.TempPathFactory
@@ -120,3 +133,19 @@ def test_a_file_that_is_there_is_not_written_over(tmp_path: Path) -> None:
     with pytest.raises(FileExistsError):
         LogWriter(tmp_path / "a.mcap", {})
     assert (tmp_path / "a.mcap").read_text() == "mine"
+
+
+def test_numbered_files_are_one_recording(tmp_path: Path) -> None:
+    for name in ("a/tiago-0002", "a/tiago-0001", "b/recording", "b/reem-0001"):
+        path = tmp_path / f"{name}.mcap"
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+    assert [[path.stem for path in paths] for paths in recordings(tmp_path)] == [
+        ["tiago-0001", "tiago-0002"],
+        ["recording"],
+        ["reem-0001"],
+    ]
+    assert recordings(tmp_path / "a/tiago-0002.mcap") == [[tmp_path / "a/tiago-0002.mcap"]]
+    for nothing in (tmp_path / "none", tmp_path / "none.mcap"):
+        with pytest.raises(NoRecording, match="not there"):
+            recordings(nothing)

@@ -38,23 +38,16 @@ def test_two_weeks_or_a_tenth_of_its_time_before_its_end_a_certificate_ends_soon
 
 
 def test_a_remark_comes_with_the_end_and_goes_with_another_certificate(place: Path) -> None:
-    assert Renewal(Credentials(place)).look() == ""
+    assert Renewal(Credentials(place)).remark() == ""
     again(place, "--days", "0.003")
     renewal = Renewal(Credentials(place))
     end = Credentials(place).own().end
     ends = f"the certificate of tiago.wrench ends on {end}: make another one in {place} with `tandem keys`"
-    assert renewal.look() == ends
+    assert renewal.remark() == ends
     again(place)
     # What has just been written is looked at when it rests.
-    assert (renewal.look(), renewal.look()) == (ends, "")
-
-
-def test_who_listens_for_direct_links_goes_on_to_say_when_the_one_that_it_shows_ends(place: Path) -> None:
-    again(place, "--days", "0.003")
-    renewal = Renewal(Credentials(place), keeps=True)
-    again(place)
-    renewal.look()
-    assert "there is another one, start this process again" in renewal.look()
+    assert (renewal.renewed(), renewal.remark()) == (False, ends)
+    assert (renewal.renewed(), renewal.remark()) == (True, "")
 
 
 def test_what_cannot_be_used_is_not_taken_over(place: Path) -> None:
