@@ -137,12 +137,10 @@ class RobotStatus(Record):
     max_linear: float = of(Number("m/s", minimum=0.0))
     max_angular: float = of(Number("rad/s", minimum=0.0))
     max_base: np.ndarray = of(
-        Vector(
-            "m/s, m/s, rad/s",
-            "vx forwards, vy, wz, each alone; backwards or together the gate may execute less: see `reason`",
-        )
+        Vector("m/s, m/s, rad/s", "vx forwards, vy, wz, each alone; backwards or together maybe less: see `reason`")
     )
     held: int = of(Integer(minimum=0, doc="motions of the tool broken off for want of a fresh command"), default=0)
+    require_enable: bool = of(Boolean(doc="it moves only while the enabling device is pressed"), default=False)
 
 
 class TwistCommand(Record):
@@ -179,6 +177,12 @@ class Stop(Record):
 
     engaged: bool = of(Boolean())
     reason: str = of(Text(longest=200, doc="the first 200 characters count"), default="")
+
+
+class EnableDevice(Record):
+    """The person's hold-to-run device; silence means that it is let go."""
+
+    pressed: bool = of(Boolean())
 
 
 class ExternalWrench(Record):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, Literal, Self, get_args, get_origin
 
@@ -82,6 +82,22 @@ class Parameters(BaseModel):
         """
         present = {name: getattr(self, name) for name in self.model_fields_set}
         return type(self).of({**present, **values})
+
+    def values(self) -> dict[str, Any]:
+        """Name -> value, as ``of`` takes them."""
+        return {name: _plain(getattr(self, name)) for name in type(self).model_fields}
+
+    @classmethod
+    def restored(cls, values: Mapping[str, Any], chosen: Collection[str]) -> Self:
+        """Parameters from what ``values`` gave, and the names of those that are not just defaults.
+
+        Raises:
+            Refused: as ``of``.
+        """
+        defaults = {name: _plain(info.default) for name, info in cls.model_fields.items()}
+        return cls.of(
+            {name: value for name, value in values.items() if name in chosen or defaults.get(name) != _plain(value)}
+        )
 
     def table(self) -> dict[str, dict[str, Any]]:
         """Name -> value, unit, min, max, doc, as the parameter queries answer."""

@@ -26,6 +26,7 @@ class Process:
         image: stage of a container's image that has all it needs.
         extra: of pyproject.toml that it needs; empty if it needs none.
         speaks_as: its name among publishers and servers of `shared/topics.py`; the name itself if empty.
+        lives_as: the name of its health, its liveliness token and its certificate; the name itself if empty.
         service: it runs the loop of `shared/loop`: liveliness token, health, `--config` with a table of its name.
         settable: it takes parameters, by `--set` and from its table.
         linked: it belongs to the chain, whose processes have direct links to each other.
@@ -38,6 +39,7 @@ class Process:
     image: str = "core"
     extra: str = ""
     speaks_as: str = ""
+    lives_as: str = ""
     service: bool = True
     settable: bool = True
     linked: bool = False
@@ -52,6 +54,11 @@ class Process:
     def publisher(self) -> str:
         """Its name in `shared/topics.py`."""
         return self.speaks_as or self.name
+
+    @property
+    def known_as(self) -> str:
+        """The name of its health, its liveliness token and its certificate."""
+        return self.lives_as or self.name
 
     def arguments(self, robot: str, endpoint: str, folder: str = ".") -> list[str]:
         """The command line that it needs at least.
@@ -89,6 +96,34 @@ MOCK = Process(
     speaks_as=ROBOT,
     linked=True,
 )
+BRIDGE_ROS1 = Process(
+    "bridge_ros1",
+    "stands for a robot under ROS 1, melodic or noetic, as its profile describes it",
+    "by hand",
+    image="bridge_ros1",
+    extra="bridge",
+    speaks_as=ROBOT,
+    lives_as=ROBOT,
+    linked=True,
+)
+BRIDGE_ROS2 = Process(
+    "bridge_ros2",
+    "stands for a robot under ROS 2 as its profile describes it, over zenoh-bridge-ros2dds or rmw_zenoh",
+    "by hand",
+    image="bridge_ros2",
+    extra="bridge_ros2",
+    speaks_as=ROBOT,
+    lives_as=ROBOT,
+    linked=True,
+)
+ROS_ROBOT = Process(
+    "ros_robot",
+    "simulated TIAGo as ROS shows it, for a bridge to stand in front of: controllers, twist_mux, topics, and what is "
+    "around it",
+    "by hand",
+    image="ros_robot",
+    extra="ros_robot",
+)
 WRENCH = Process("wrench", "gravity compensation, error bound, sensor faults", "always", linked=True)
 CONTROLLER = Process("controller", "the control laws", "always", image="controller", extra="controller", linked=True)
 BASE = Process(
@@ -121,19 +156,44 @@ RECORDER = Process(
     settable=False,
     options=(*ON_THE_BUS, "--out", "{folder}"),
 )
+VIEWER = Process(
+    "viewer",
+    "draws the robot, the forces and their limits in a browser, and says why the robot does what it does",
+    "by hand",
+    image="viewer",
+    extra="viewer",
+    service=False,
+    settable=False,
+    options=(*ON_THE_BUS, "--port", "0"),
+)
 CLI = Process(
     "cli", "the command `tandem`", "by hand", image="cli", extra="cli", service=False, settable=False, options=()
 )
 
-PROCESSES = (ROUTER, SIM, MOCK, WRENCH, CONTROLLER, BASE, TASK, EXPERIMENT, RECORDER, CLI)
+PROCESSES = (
+    ROUTER,
+    SIM,
+    MOCK,
+    BRIDGE_ROS1,
+    BRIDGE_ROS2,
+    ROS_ROBOT,
+    WRENCH,
+    CONTROLLER,
+    BASE,
+    TASK,
+    EXPERIMENT,
+    RECORDER,
+    VIEWER,
+    CLI,
+)
 """In the order in which people are shown them."""
 SERVICES = tuple(process.name for process in PROCESSES if process.service)
-"""Whoever has health, a liveliness token and a table in a configuration file."""
+"""Whoever runs the loop of `shared/loop`, and has a table in a configuration file."""
 STACK = tuple(process.name for process in PROCESSES if process.service and process.started == "always")
 """The services of every stack."""
 ROBOTS = (*(process.name for process in PROCESSES if process.publisher == ROBOT), ROBOT)
 """The processes of which one stands for the robot: the last of them is whatever a real robot has."""
-HEALTHY = (ROUTER.name, *SERVICES, ROBOT)
+HEALTHY = tuple(dict.fromkeys((ROUTER.name, *(process.known_as for process in PROCESSES if process.service), ROBOT)))
 """Whoever may tell a health; the router does on a closed network."""
 LINKED = tuple(dict.fromkeys(process.publisher for process in PROCESSES if process.linked))
 """Names in `shared/topics.py` of the processes of the chain."""

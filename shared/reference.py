@@ -13,7 +13,7 @@ import numpy as np
 from shared.messages import Header
 from shared.schema.fields import Anything, Boolean, Bytes, Integer, Kind, Number, Quaternion, Text, TextList, Vector
 from shared.schema.records import MapOf, Nullable, Record, RecordOf
-from shared.topics import ANYBODY, QUERIES, ROBOT, TOPICS, health_topic
+from shared.topics import ANYBODY, QUERIES, ROBOT, ROS_ROBOT, TOPICS, own_topics
 
 _PREAMBLE = """\
 # The Zenoh interface, version 1
@@ -95,6 +95,16 @@ def _fields(record: type[Record], indent: str = "") -> Iterator[str]:
             yield from _fields(inner.record, indent + "  ")
 
 
+def _who(names: tuple[str, ...]) -> str:
+    """Publishers or servers, in words."""
+    known = {
+        ROBOT: "robot (simulation or bridge)",
+        ROS_ROBOT: "a simulated robot behind a bridge",
+        ANYBODY: "anybody permitted",
+    }
+    return " or ".join(known.get(name, name) for name in names)
+
+
 def lines() -> Iterator[str]:
     """The lines of the reference."""
     yield _PREAMBLE
@@ -103,12 +113,11 @@ def lines() -> Iterator[str]:
     yield "\n## Topics\n"
     yield "| key | message | nominal rate | used up to an age of | publisher | cap |"
     yield "|---|---|---|---|---|---|"
-    publishers = {ROBOT: "robot (simulation or bridge)", ANYBODY: "anybody permitted"}
-    topics = (*TOPICS, health_topic("<service>"))
+    topics = (*TOPICS, *own_topics("<service>"))
     for topic in topics:
         rate = f"{topic.rate:g} Hz" if topic.rate else "on change"
         age = "until replaced" if topic.max_age == float("inf") else f"{topic.max_age:g} s"
-        publisher = publishers.get(topic.publisher, topic.publisher)
+        publisher = _who(topic.publishers)
         yield f"| `{topic.key}` | {topic.message.__name__} | {rate} | {age} | {publisher} | {topic.cap // 1024} KiB |"
     yield "\n## Messages"
     for topic in topics:
@@ -118,7 +127,7 @@ def lines() -> Iterator[str]:
     yield "\n## Queries"
     yield '\nRequest and reply are maps, the reply with `ok` besides; a refusal is `{"ok": false, "error": text}`.'
     for query in QUERIES:
-        yield f"\n### `{query.key}`, answered by {publishers.get(query.server, query.server)}"
+        yield f"\n### `{query.key}`, answered by {_who(query.servers)}"
         for word, (request, reply) in query.exchanges.items():
             which = f'`{query.word}` "{word}": ' if word else ""
             yield f"\n{which}{request.__doc__}\n"

@@ -1,4 +1,7 @@
-"""Requests and replies of the queries in ``shared.topics``; ``ok`` and a refusal's ``error`` are the framework's."""
+"""Requests and replies of the queries in ``shared.topics``; ``ok`` and a refusal's ``error`` are the framework's.
+
+And what a service tells of those that it takes up, which nobody else on the bus hears.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from shared.schema.fields import Anything, Boolean, Integer, Number, Text, Vector
+from shared.schema.fields import Anything, Boolean, Bytes, Integer, Number, Text, TextList, Vector
 from shared.schema.records import MapOf, Nullable, Record, RecordOf, of
 
 SHORTEST_AVERAGE, LONGEST_AVERAGE = 0.1, 30.0
@@ -87,10 +90,13 @@ class Solved(Record):
     warning: str = of(_WARNING, default="")
 
 
+TASK_WORDS = ("start", "abort", "release", "reset")
+
+
 class TaskCommand(Record):
     """Command of a person to the task."""
 
-    command: str = of(Text(choices=("start", "abort", "release", "reset")))
+    command: str = of(Text(choices=TASK_WORDS))
 
 
 class TaskAnswer(Record):
@@ -119,3 +125,15 @@ class ParameterTable(Record):
     """All parameters by their names, as they are in force."""
 
     parameters: dict[str, ParameterRow] = of(MapOf(kind=RecordOf(record=ParameterRow)))
+
+
+class Setup(Record):
+    """What a service works by, told at its start, every second and with each request: what a replay goes by."""
+
+    parameters: dict[str, Any] = of(MapOf(doc="name -> value, as they are in force"))
+    chosen: tuple[str, ...] = of(TextList(doc="names of those that are not just defaults"))
+    files: dict[str, str] = of(MapOf(doc="name -> content: what a new start would find", kind=Text(longest=16384)))
+    query: str = of(Text(doc="key of the request that was taken up just now, empty if none was"))
+    request: bytes = of(Bytes(doc="as it arrived; empty if it was too large to be looked at"))
+    inputs: tuple[str, ...] = of(TextList(doc="keys that are subscribed to, or were"))
+    diary: bytes = of(Bytes(doc="arrivals and turns of the loop since the last one of these: `shared/loop/diary.py`"))

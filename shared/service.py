@@ -165,6 +165,14 @@ class Service(ABC, Generic[P]):
         """
         self.parameters = parameters
 
+    def files(self) -> Mapping[str, str]:
+        """Content by name of what a new start would find in the service's folder, and work by; asked now and then."""
+        return {}
+
+    def close(self) -> None:
+        """Let go of what is no bus, such as hardware; called once, after the last ``brake``."""
+        return None
+
     def notes(self) -> str:
         """Remarks for a human although the service works; empty if there are none."""
         return ""

@@ -15,6 +15,7 @@ class PanelState(Record):
 
     position: np.ndarray = of(Vector("m"))
     orientation: np.ndarray = of(Quaternion())
+    size: np.ndarray = of(Vector("m", "length, width, thickness; 0 if not told", minimum=0.0), default=(0.0,) * 3)
 
 
 class BagState(Record):

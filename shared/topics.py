@@ -18,7 +18,13 @@ M = TypeVar("M", bound=Record)
 
 ROBOT = "robot"
 """Publisher name of whatever process stands for the robot: the simulation or a hardware bridge."""
+ROS_ROBOT = "ros_robot"
+"""Publisher name of a simulated robot behind a bridge: all that it says here is what is true of its world."""
 ANYBODY = "*"
+OPERATOR = "operator"
+"""Publisher name of the person's command line."""
+PAGE = "page"
+"""Publisher name of the person's page in the browser."""
 LONGEST_REASON = 500
 """Longest reason [characters] of a refused query."""
 MAP_CAP = 64 * 1024
@@ -64,14 +70,19 @@ class Query:
 
     Attributes:
         key: without the robot's prefix.
-        server: the service that answers.
+        servers: the only services that may answer, one at a time.
         exchanges: what may be asked; by the request's field ``word``, if it has one that says which.
     """
 
     key: str
-    server: str
+    servers: tuple[str, ...]
     exchanges: Mapping[str, Exchange]
     word: str = ""
+
+    @property
+    def server(self) -> str:
+        """Who answers, in words."""
+        return " or ".join(self.servers)
 
     def request(self, data: Mapping[str, Any]) -> Record:
         """The request of a decoded map.
@@ -110,6 +121,7 @@ COMMAND_BASE_TWIST = Topic("command/base_twist", m.BaseTwistCommand, 100, 0.1, (
 COMMAND_GRIPPER = Topic("command/gripper", m.GripperCommand, 0, math.inf, ("task",))
 COMMAND_HEAD = Topic("command/head", m.HeadCommand, 0, math.inf, ("task",))
 STOP = Topic("stop", m.Stop, 0, math.inf, (ANYBODY,))
+OPERATOR_ENABLE = Topic("operator/enable", m.EnableDevice, 20, 0.2, (OPERATOR, PAGE))
 
 WRENCH_EXTERNAL = Topic("wrench/external", m.ExternalWrench, 100, 0.03, ("wrench",))
 CONTROL_TARGET = Topic("control/target", m.ControlTarget, 5, math.inf, ("task", "experiment"))
@@ -117,12 +129,12 @@ CONTROL_STATUS = Topic("control/status", m.ControlStatus, 100, 1.0, ("controller
 BASE_STATUS = Topic("base/status", m.BaseStatus, 100, 1.0, ("base",))
 BASE_ENABLE = Topic("base/enable", m.Enable, 5, 1.0, ("task",))
 TASK_STATUS = Topic("task/status", m.TaskStatus, 5, 1.0, ("task",))
-SIM_WORLD = Topic("sim/world", sim.SimWorld, 30, 0.5, (ROBOT,))
+SIM_WORLD = Topic("sim/world", sim.SimWorld, 30, 0.5, (ROBOT, ROS_ROBOT))
 
-WRENCH_TARE = Query("wrench/tare", "wrench", {"": Exchange(r.Tare, r.Tared)})
+WRENCH_TARE = Query("wrench/tare", ("wrench",), {"": Exchange(r.Tare, r.Tared)})
 WRENCH_IDENTIFY = Query(
     "wrench/identify",
-    "wrench",
+    ("wrench",),
     {
         "start": Exchange(r.StartIdentification, r.Poses),
         "add": Exchange(r.AddPose, r.PoseAdded),
@@ -131,14 +143,14 @@ WRENCH_IDENTIFY = Query(
     },
     word="action",
 )
-TASK_COMMAND = Query("task/command", "task", {"": Exchange(r.TaskCommand, r.TaskAnswer)})
+TASK_COMMAND = Query("task/command", ("task",), {"": Exchange(r.TaskCommand, r.TaskAnswer)})
 _PARAMETERS = {"": Exchange(r.ParameterRequest, r.ParameterTable)}
-WRENCH_PARAMETERS = Query("wrench/parameters", "wrench", _PARAMETERS)
-CONTROL_PARAMETERS = Query("control/parameters", "controller", _PARAMETERS)
-BASE_PARAMETERS = Query("base/parameters", "base", _PARAMETERS)
+WRENCH_PARAMETERS = Query("wrench/parameters", ("wrench",), _PARAMETERS)
+CONTROL_PARAMETERS = Query("control/parameters", ("controller",), _PARAMETERS)
+BASE_PARAMETERS = Query("base/parameters", ("base",), _PARAMETERS)
 SIM_COMMAND = Query(
     "sim/command",
-    ROBOT,
+    (ROBOT, ROS_ROBOT),
     {
         "reset": Exchange(sim.Reset),
         "load": Exchange(sim.Load),
@@ -156,6 +168,7 @@ QUERIES = tuple(value for value in list(globals().values()) if isinstance(value,
 PARAMETER_QUERIES = (WRENCH_PARAMETERS, CONTROL_PARAMETERS, BASE_PARAMETERS)
 
 HEALTH_RATE = 2.0
+SETUP_RATE = 1.0
 
 
 def health_topic(service: str) -> Topic[m.Health]:
@@ -163,8 +176,21 @@ def health_topic(service: str) -> Topic[m.Health]:
     return Topic(f"health/{service}", m.Health, HEALTH_RATE, 1.0, (service,))
 
 
+def setup_topic(service: str) -> Topic[r.Setup]:
+    """What one service works by."""
+    return Topic(f"setup/{service}", r.Setup, SETUP_RATE, math.inf, (service,), cap=4 * MAP_CAP)
+
+
+def own_topics(service: str) -> tuple[Topic, ...]:
+    """What every service tells of itself."""
+    return health_topic(service), setup_topic(service)
+
+
 def topic_by_key(key: str) -> Topic | None:
     """The topic of a key without the robot's prefix, or None."""
-    if key.startswith("health/"):
-        return health_topic(key.removeprefix("health/"))
+    kind, _, service = key.partition("/")
+    if service and kind == "health":
+        return health_topic(service)
+    if service and kind == "setup":
+        return setup_topic(service)
     return next((topic for topic in TOPICS if topic.key == key), None)

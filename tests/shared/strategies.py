@@ -8,11 +8,12 @@ from typing import Any
 from hypothesis import strategies as st
 
 from shared.messages import DISTORTION_SIZES, CameraImage, FtSample, Header, Health
-from shared.schema.fields import Boolean, Bytes, Direction, Integer, Kind, Number, Text, TextList, Vector
+from shared.requests import Setup
+from shared.schema.fields import Anything, Boolean, Bytes, Direction, Integer, Kind, Number, Text, TextList, Vector
 from shared.schema.records import MapOf, Nullable, Record, RecordOf
 from shared.topics import TOPICS
 
-MESSAGES: tuple[type[Record], ...] = (*dict.fromkeys(topic.message for topic in TOPICS), Health)
+MESSAGES: tuple[type[Record], ...] = (*dict.fromkeys(topic.message for topic in TOPICS), Health, Setup)
 
 # Far beyond anything physical, and yet no vector's sum overflows; overflowing ones have tests of their own.
 _LARGE = 1e300
@@ -54,6 +55,8 @@ def value(kind: Kind, length: int = 3) -> st.SearchStrategy[Any]:
             return st.lists(_texts, min_size=length, max_size=length)
         case Bytes():
             return st.binary(max_size=200)
+        case Anything():
+            return _numbers | st.booleans() | _texts
         case RecordOf():
             assert kind.record is not None
             return plain(kind.record)

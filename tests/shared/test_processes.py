@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from shared.processes import PROCESSES, ROUTER, SERVICES, Process, process_named
-from shared.topics import ANYBODY, PARAMETER_QUERIES, QUERIES, TOPICS
+from shared.topics import ANYBODY, OPERATOR, PAGE, PARAMETER_QUERIES, QUERIES, TOPICS
 
 ROOT = Path(__file__).parents[2]
 NAMED = {process.publisher for process in PROCESSES}
@@ -22,8 +22,8 @@ def test_every_folder_of_services_has_a_row() -> None:
 
 
 def test_topics_and_queries_name_processes() -> None:
-    assert {name for topic in TOPICS for name in topic.publishers} <= NAMED | {ANYBODY}
-    assert {query.server for query in QUERIES} <= NAMED
+    assert {name for topic in TOPICS for name in topic.publishers} <= NAMED | {ANYBODY, OPERATOR, PAGE}
+    assert {server for query in QUERIES for server in query.servers} <= NAMED
     assert {query.server for query in PARAMETER_QUERIES} <= {row.name for row in PROCESSES if row.settable}
 
 

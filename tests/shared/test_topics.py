@@ -32,13 +32,14 @@ CONTRACT: dict[str, tuple[str, int | None, str]] = {
         "robot",
         5,
         "mode:ready/holding/stopped reason:text base_type:differential/omni simulated:bool max_linear max_angular "
-        "max_base[3] ~held:int",
+        "max_base[3] ~held:int ~require_enable:bool",
     ),
     "command/ee_twist": ("controller", None, "linear[3] angular[3] ttl"),
     "command/base_twist": ("base", None, "velocity[3] ttl"),
     "command/gripper": ("task", None, "opening effort"),
     "command/head": ("task", None, "pan tilt"),
     "stop": ("*", None, "engaged:bool reason:text"),
+    "operator/enable": ("operator or page", 20, "pressed:bool"),
     "wrench/external": (
         "wrench",
         None,
@@ -59,9 +60,10 @@ CONTRACT: dict[str, tuple[str, int | None, str]] = {
     "base/enable": ("task", None, "enabled:bool"),
     "task/status": ("task", None, f"state:text since reason:text rotation height marker?{{{POSE} age}}"),
     "sim/world": (
-        "robot",
+        "robot or ros_robot",
         30,
-        f"time panel?{{{POSE}}} bag?{{mass height}} hand?{{position[3] force[3] torque[3] ~doing:text ~wanted[3] "
+        f"time panel?{{{POSE} ~size[3]}} bag?{{mass height}} "
+        "hand?{position[3] force[3] torque[3] ~doing:text ~wanted[3] "
         "~wanted_orientation[4]} contact_force[3] marker_visible:bool",
     ),
     "health/wrench": (
@@ -96,7 +98,7 @@ QUERYABLES: dict[str, tuple[str, dict[str, tuple[str, str]]]] = {
     "control/parameters": ("controller", {"": ("set?:map", TABLE)}),
     "base/parameters": ("base", {"": ("set?:map", TABLE)}),
     "sim/command": (
-        "robot",
+        "robot or ros_robot",
         {
             "reset": ("", ""),
             "load": ("mass", ""),
