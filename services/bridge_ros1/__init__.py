@@ -1,0 +1,1 @@
+"""Bridge to a robot under ROS 1 (melodic, noetic), with Debian's rospy."""
