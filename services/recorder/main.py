@@ -11,7 +11,7 @@ from pathlib import Path
 
 from services.recorder.topics import everything
 from shared.clock import SteadyClock
-from shared.loop.config import Misconfigured, OneLineParser, complain, robot_name, service_parser
+from shared.loop.config import Misconfigured, OneLineParser, bus_parser, complain, robot_name
 from shared.loop.process import StopRequest, told_waiting
 from shared.wire.bus import Bus, OnPayload
 from shared.wire.credentials import Credentials
@@ -39,6 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         check_endpoint("--connect", options.connect)
         place: Path = options.out or Path("runs") / f"record-{time.strftime('%Y%m%d-%H%M%S')}"
         place.mkdir(parents=True, exist_ok=True)
+        _stand_back()
         told = told_waiting(NAME, options.connect, stop)
         with closing(ZenohBus(robot, options.connect, told, credentials=Credentials.of(options.secure))) as bus:
             about = {
@@ -62,13 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> OneLineParser:
-    parser = OneLineParser(prog=f"python -m services.{NAME}")
-    shared = service_parser(NAME)
-    parser.add_argument("--robot", default=shared.get_default("robot"), help="first chunk of every key")
-    parser.add_argument("--connect", default=shared.get_default("connect"), help="endpoint of the Zenoh router")
-    parser.add_argument(
-        "--secure", default=shared.get_default("secure"), metavar="FOLDER", help="certificates of its own"
-    )
+    parser = bus_parser(NAME)
     parser.add_argument("--out", type=Path, help="folder of the recording; default runs/record-<date>")
     parser.add_argument(
         "--most", type=int, default=2000, metavar="MB", help="on the disk; the oldest goes first (default: %(default)s)"
@@ -82,6 +77,16 @@ def _parser() -> OneLineParser:
     return parser
 
 
+def _stand_back() -> None:
+    """Whatever else runs goes first: this thread and all that come after it, Zenoh's among them, wait for their turn.
+
+    Not only where nothing else runs at all (SCHED_IDLE): on a full machine nothing would be recorded then.
+    """
+    os.nice(10)
+    if sys.platform == "linux":
+        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+
+
 def _record(bus: Bus, log: LogWriter, stop: StopRequest, camera: bool) -> None:
     clock = SteadyClock()
 
@@ -90,8 +95,6 @@ def _record(bus: Bus, log: LogWriter, stop: StopRequest, camera: bool) -> None:
 
     for topic in everything(camera):
         bus.subscribe(topic.key, listener(topic.key))
-    # Whatever else runs goes first.
-    os.nice(10)
     _tell("recording; Ctrl-C ends it")
     told = time.monotonic()
     while not stop.requested and not log.problem:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from contextlib import suppress
 from pathlib import Path
@@ -31,6 +32,20 @@ def recorder(start: StartProcess, router: Router, out: Path) -> Process:
     process = start("services.recorder", "--connect", router.endpoint, "--out", str(out))
     process.wait_for_output("recording")
     return process
+
+
+def test_it_stands_back_and_so_do_the_threads_that_take_what_is_heard(
+    shared_router: Router, start: StartProcess, tmp_path: Path
+) -> None:
+    process = recorder(start, shared_router, tmp_path)
+    named = {
+        int(path.parent.name): path.read_text().strip() for path in Path(f"/proc/{process.pid}/task").glob("*/comm")
+    }
+    zenoh = {thread for thread, name in named.items() if name.startswith(("app-", "tx-"))}
+    assert zenoh
+    for thread in {process.pid, *zenoh}:
+        assert os.getpriority(os.PRIO_PROCESS, thread) >= 10, named[thread]
+        assert os.sched_getscheduler(thread) == os.SCHED_BATCH, named[thread]
 
 
 def say_until_heard(bus: ZenohBus, out: Path) -> None:
