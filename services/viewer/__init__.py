@@ -1,0 +1,1 @@
+"""Draws what the robot does, and why, in a browser."""

@@ -1,0 +1,1 @@
+"""Messages as pictures: pure towards rerun, which is given as a stream."""

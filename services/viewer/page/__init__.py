@@ -1,0 +1,1 @@
+"""The page in the browser: the picture, the sentence, STOP, and the person's hands."""
