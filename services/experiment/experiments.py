@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,8 @@ from services.experiment.carry.carry import CARRY
 from services.experiment.load.load import LOAD
 from services.experiment.play.recording import RECORDING, Recording, told
 from services.experiment.spec import Experiment
+from services.viewer.take import Take
+from shared.loop.config import Misconfigured
 
 if TYPE_CHECKING:
     from services.experiment.report.report import Report
@@ -41,16 +44,33 @@ def report(folder: Path, commands: Sequence[str] = ()) -> Report:
 def film(folder: Path) -> Path:
     """Renders the run recorded in a folder, beside its recording; returns the film's path.
 
+    The paper's law is on its left if this is the run that is filmed, and the other one was recorded beside it.
+
     Raises:
         FileNotFoundError: there is no recording.
         ValueError: it is damaged.
-        KeyError, Misconfigured: it lacks what the film shows.
+        KeyError, Misconfigured: it lacks what the film shows, or this machine does.
     """
-    from services.sim.film.film import FILM, render
+    try:
+        from services.viewer.film import FILM, render
+    except ImportError as problem:
+        raise Misconfigured(f"{problem.name} is not installed: pip install 'tandem[experiment]'") from None
 
-    path = folder / RECORDING
-    render(_played(path).film_data(Recording.load(path)), folder)
+    experiment = _played(folder / RECORDING)
+    takes = [_take(experiment, folder)]
+    beside = folder.parent / experiment.beside
+    if folder.name == experiment.filmed and (beside / RECORDING).exists():
+        # One that was not played to its end is not shown.
+        with suppress(KeyError, ValueError):
+            takes.insert(0, _take(experiment, beside))
+    render(takes, folder)
     return folder / FILM
+
+
+def _take(experiment: Experiment, folder: Path) -> Take:
+    recording = Recording.load(folder / RECORDING)
+    run = experiment.run_named(recording.meta["name"])
+    return Take(folder / RECORDING, run.title, recording.zero, experiment.parts(recording))
 
 
 def _played(path: Path) -> Experiment:

@@ -35,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Returns:
         0 when done and every claim holds, and after a signal; 1 when the experiment could not be completed or a claim
-        fails, 2 with one line on a bad option.
+        fails, 2 with one line on a bad option, 4 when claims cannot be judged since the machine was too busy.
     """
     try:
         options = _parser().parse_args(arguments)
@@ -85,7 +85,7 @@ def _plan(options: argparse.Namespace) -> int:
     plan = {
         "runs": [dataclasses.asdict(run) for run in runs],
         "duration": experiment.duration,
-        "film": experiment.shown(runs).name,
+        "film": experiment.shown(runs)[0].name,
     }
     print(json.dumps(plan))
     return 0
@@ -137,7 +137,7 @@ def _run(options: argparse.Namespace) -> int:
 def _film(options: argparse.Namespace) -> int:
     try:
         print(experiments.film(options.folder))
-    except (KeyError, Misconfigured) as problem:
+    except (KeyError, Misconfigured, ValueError, OSError) as problem:
         print(f"no film: {problem}")
         return 1
     return 0
@@ -146,11 +146,12 @@ def _film(options: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     report = experiments.report(options.folder, options.ran)
     for claim in report.claims:
-        verdict = "pass" if claim.passed else "FAIL"
-        print(f"{verdict}  {claim.run}: {claim.text}: {claim.figure} ({claim.limit})")
+        standing = report.standing(claim)
+        print(
+            f"{'FAIL' if standing == 'fail' else standing}  {claim.run}: {claim.text}: {claim.figure} ({claim.limit})"
+        )
     for problem in report.problems:
         print(f"note  {problem}")
-    failed = sum(not claim.passed for claim in report.claims)
-    print(f"{failed} of {len(report.claims)} claims fail" if failed else f"all {len(report.claims)} claims hold")
+    print(report.verdict)
     print(f"report: {report.index}")
-    return 0 if report.good else 1
+    return report.status

@@ -10,6 +10,7 @@ from services.experiment.measure.claim import Claim, Table
 from services.experiment.play.course import Ask, Course, Run
 from services.experiment.play.player import Answered, OnHeard, Player
 from services.experiment.play.recording import Recording
+from services.viewer.take import Part
 from shared.clock import Clock
 from shared.messages import ControlTarget
 from shared.wire.bus import Bus
@@ -22,11 +23,12 @@ Found = TypeVar("Found")
 
 @dataclass(frozen=True)
 class Drawn:
-    """A figure, the name of its file without the ending, and its caption."""
+    """A figure, the name of its file without the ending, its caption, and the run that it is of; of all if empty."""
 
     name: str
     figure: Figure
     caption: str
+    run: str = ""
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,7 @@ class Account(Generic[Found]):
         facts: about all runs, by their names.
         films: what is shown of a run if it is there: file in its folder -> caption.
         measure: takes the figures of a run; KeyError or ValueError says what its recording lacks.
+        sentence: what became of a run, in one sentence that goes on after its title.
         judge: claims about the runs and their figures, both by the runs' names.
         notes: what a reader has to know to judge the claims.
         draw: figures, made when each is asked for.
@@ -50,6 +53,7 @@ class Account(Generic[Found]):
     facts: Mapping[str, str]
     films: Mapping[str, str]
     measure: Callable[[Recording], Found]
+    sentence: Callable[[Run, Found], str]
     judge: Callable[[Mapping[str, Run], Mapping[str, Found]], list[Claim]]
     notes: Callable[[Mapping[str, Found]], list[str]]
     draw: Callable[[Mapping[str, Run], Mapping[str, Recording], Mapping[str, Found]], Iterable[Drawn]]
@@ -67,8 +71,9 @@ class Experiment:
         choice: how to name one.
         duration: of a run [s], about, for the progress.
         filmed: the name of the run that the film shows, if it is among those played.
+        beside: the name of the run that the film shows on the left of that one, if it is among those played.
         course: of a run.
-        film_data: what `services.sim.film.film.render` needs of a recording.
+        parts: what happens in a recording; KeyError or ValueError says what it lacks.
         account: what is told of the recordings.
         target: to hold during a run; None if the stack's own task says what to hold.
         meta: what is to be said of every run besides its configuration.
@@ -80,8 +85,9 @@ class Experiment:
     choice: str
     duration: float
     filmed: str
+    beside: str
     course: Callable[[Run], Course]
-    film_data: Callable[[Recording], dict[str, Any]]
+    parts: Callable[[Recording], Sequence[Part]]
     account: Account[Any]
     target: ControlTarget | None = None
     meta: dict[str, Any] = field(default_factory=dict)
@@ -97,9 +103,12 @@ class Experiment:
         """The runs of these names, those that are usual if there are none; ValueError says how to name one."""
         return [self.run_named(name) for name in names] or self.runs
 
-    def shown(self, runs: Sequence[Run]) -> Run:
-        """The run of these that a film is made of."""
-        return next((run for run in runs if run.name == self.filmed), runs[0])
+    def shown(self, runs: Sequence[Run]) -> list[Run]:
+        """The run of these that a film is made of, and the one beside it, if there is one."""
+        named = {run.name: run for run in runs}
+        if self.filmed not in named:
+            return [runs[0]]
+        return [named[name] for name in (self.filmed, self.beside) if name in named]
 
     def player(self, run: Run, bus: Bus, clock: Clock, ask: Callable[[Ask, Answered], None], record: OnHeard) -> Player:
         """The service that plays a run."""

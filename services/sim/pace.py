@@ -38,9 +38,14 @@ class Ticks:
 
 
 class Pace:
-    """Compares the pace of the last second or so with the wanted one."""
+    """Compares the pace of the last second or so with the wanted one.
 
-    def __init__(self) -> None:
+    Args:
+        settings: that lower the pace or what it costs, in words.
+    """
+
+    def __init__(self, settings: str = "real_time_factor, ft_rate or physics_rate") -> None:
+        self._settings = settings
         self._elapsed = 0.0
         self._planned = 0.0
         self.share = 1.0
@@ -58,7 +63,4 @@ class Pace:
         """What to tell the user; empty while the machine keeps up."""
         if self.share >= KEEPS_UP:
             return ""
-        return (
-            f"runs at {self.share:.0%} of the wanted pace: lower real_time_factor, ft_rate or physics_rate, "
-            "or the load of the machine"
-        )
+        return f"runs at {self.share:.0%} of the wanted pace: lower {self._settings}, or the load of the machine"

@@ -25,16 +25,14 @@ _CLEAR_OF_THE_ARM = (0.64, -0.27, 0.78)
 so far to the left that open fingers do not hide the marker from the head."""
 
 
-class SimParameters(Parameters):
-    """Rates, sensor errors and speed limits of the simulated TIAGo, and what is around it."""
+class WorldParameters(Parameters):
+    """Errors of the wrist's sensor, and what is around the robot: what every simulation of it may be told."""
 
     scene: SceneName = option(
         "full",
         "what is around it: load has bags on a rope; carry also a panel, a person and a camera, and the arm starts "
         "in front of the panel; full has all of it, and the arm starts as in load",
     )
-
-    ft_rate: float = parameter(100.0, "Hz", 30.0, 1000.0, "of the wrist's force-torque sensor")
     ft_noise: Vector6 = parameter(
         (0.1, 0.1, 0.1, 0.005, 0.005, 0.005),
         "N, Nm",
@@ -57,25 +55,7 @@ class SimParameters(Parameters):
         0.3,
         "rise of the floor along x and along y of base at the start; only in the scene load",
     )
-    tells_gravity: bool = option(False, "sensor/ft says where down is, as a robot with a tilt sensor does")
-    joint_rate: float = parameter(100.0, "Hz", 50.0, 1000.0, "of joint states and of the tool's pose")
-    camera_rate: float = parameter(10.0, "Hz", 1.0, 30.0, "of the head camera")
-    base_type: BaseType = option("differential", "kind of mobile base")
     physics_rate: float = parameter(500.0, "Hz", 500.0, 4000.0, "of physics steps, at least")
-    real_time_factor: float = parameter(
-        1.0,
-        "1",
-        0.03,
-        10.0,
-        "simulated seconds per second; rates are simulated, so ft_rate and joint_rate times this have to be 30 Hz "
-        "or more; commands' ttl stays in real time",
-    )
-    max_linear: float = parameter(0.3, "m/s", 0.01, 1.0, "largest speed of the tool's origin")
-    max_angular: float = parameter(1.0, "rad/s", 0.01, 3.0, "largest turning rate of the tool")
-    max_linear_acceleration: float = parameter(5.0, "m/s2", 0.1, 100.0, "of speeding up; slowing down is not limited")
-    max_angular_acceleration: float = parameter(
-        10.0, "rad/s2", 0.1, 100.0, "of speeding up; slowing down is not limited"
-    )
     panel_size: Vector3 = parameter((1.2, 0.6, 0.05), "m", 0.02, 3.0, "length, width and thickness of the panel")
     panel_mass: float = parameter(1.5, "kg", 0.2, 10.0, "of the panel")
     panel_friction: float = parameter(0.6, "1", 0.0, 2.0, "of the panel on the ground and on its supports")
@@ -156,13 +136,46 @@ class SimParameters(Parameters):
         )
 
     def check(self) -> None:
+        """Whether there is no panel on a slope.
+
+        Raises:
+            Refused: if there is.
+        """
+        if any(self.floor_slope) and self.scene != "load":
+            raise Refused(f'floor_slope is {list(self.floor_slope)} rad: only with scene="load", without a panel')
+
+
+class SimParameters(WorldParameters):
+    """Rates, sensor errors and speed limits of the simulated TIAGo, and what is around it."""
+
+    ft_rate: float = parameter(100.0, "Hz", 30.0, 1000.0, "of the wrist's force-torque sensor")
+    tells_gravity: bool = option(False, "sensor/ft says where down is, as a robot with a tilt sensor does")
+    joint_rate: float = parameter(100.0, "Hz", 50.0, 1000.0, "of joint states and of the tool's pose")
+    camera_rate: float = parameter(10.0, "Hz", 1.0, 30.0, "of the head camera")
+    base_type: BaseType = option("differential", "kind of mobile base")
+    real_time_factor: float = parameter(
+        1.0,
+        "1",
+        0.03,
+        10.0,
+        "simulated seconds per second; rates are simulated, so ft_rate and joint_rate times this have to be 30 Hz "
+        "or more; commands' ttl stays in real time",
+    )
+    require_enable: bool = option(False, "the gate moves nothing but while `operator/enable` is pressed")
+    max_linear: float = parameter(0.3, "m/s", 0.01, 1.0, "largest speed of the tool's origin")
+    max_angular: float = parameter(1.0, "rad/s", 0.01, 3.0, "largest turning rate of the tool")
+    max_linear_acceleration: float = parameter(5.0, "m/s2", 0.1, 100.0, "of speeding up; slowing down is not limited")
+    max_angular_acceleration: float = parameter(
+        10.0, "rad/s2", 0.1, 100.0, "of speeding up; slowing down is not limited"
+    )
+
+    def check(self) -> None:
         """Whether what depends on the sensors hears from them often enough.
 
         Raises:
             Refused: if one of the rates is too slow in real time, or there is a panel on a slope.
         """
-        if any(self.floor_slope) and self.scene != "load":
-            raise Refused(f'floor_slope is {list(self.floor_slope)} rad: only with scene="load", without a panel')
+        super().check()
         for name in ("ft_rate", "joint_rate"):
             rate = getattr(self, name)
             if rate * self.real_time_factor < SLOWEST_RATE - 1e-9:

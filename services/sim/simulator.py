@@ -25,7 +25,7 @@ from shared.robot.gate import GateLimits
 from shared.robot.side import RobotSide
 from shared.schema.records import Record
 from shared.service import Inputs, Output, Reply, Service, Wiring
-from shared.sim_messages import BagState, HandState, PanelState, Reset, SimWorld
+from shared.sim_messages import Reset
 from shared.spatial import quaternion
 from shared.topics import Query
 
@@ -62,6 +62,7 @@ class Simulator(Service[SimParameters]):
             base=tiago.BASES[parameters.base_type],
             gripper=tiago.GRIPPER_RANGES,
             head=tiago.HEAD_RANGES,
+            require_enable=parameters.require_enable,
         )
         self._sensor = ForceTorqueSensor(parameters.ft_noise, parameters.ft_bias, parameters.ft_drift, parameters.seed)
         self._lines = {"ft": SensorLine(), "joints": SensorLine(), "camera": SensorLine()}
@@ -143,7 +144,8 @@ class Simulator(Service[SimParameters]):
             state = GripperState(gripper.opening, gripper.effort, gripper.holding)
             outputs.append(Output(topics.STATE_GRIPPER, state))
         if due(topics.SIM_WORLD.rate * self._stretch):
-            outputs.append(Output(topics.SIM_WORLD, self._world_state()))
+            visible = self._camera is not None and self._camera.marker_visible()
+            outputs.append(Output(topics.SIM_WORLD, self.world.told(visible)))
         return outputs
 
     def _ft_sample(self) -> FtSample:
@@ -159,17 +161,3 @@ class Simulator(Service[SimParameters]):
     def _base_state(self) -> BaseState:
         base = self.world.base
         return BaseState(np.array((base.x, base.y)), base.yaw, np.array(base.velocity))
-
-    def _world_state(self) -> SimWorld:
-        bag, scene = self.world.bag, self.world.panel_scene
-        state = BagState(bag.mass, bag.height) if bag.present else None
-        panel = hand = None
-        visible = self._camera is not None and self._camera.marker_visible()
-        if scene is not None:
-            body = scene.panel.body
-            panel = PanelState(body.position, quaternion(body.rotation))
-            if scene.person.asked:
-                hands = scene.person.hands
-                wanted, turned = hands.wish(scene.panel)
-                hand = HandState(hands.place, hands.force, hands.torque, scene.person.doing, wanted, quaternion(turned))
-        return SimWorld(self.world.time, panel, state, hand, np.array(self.world.contact_force), visible)

@@ -1,1 +1,1 @@
-"""Recorded inputs, replayed: what wrench, controller, base and task answer to them today, pinned to the last bit."""
+"""Golden recordings: what wrench, controller, base and task took and answered, replayed as `tandem replay` does it."""

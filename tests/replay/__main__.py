@@ -1,4 +1,4 @@
-"""Makes recordings and expectations, and compares revisions: ``python -m tests.replay COMMAND``."""
+"""Makes the golden recordings, and compares revisions: ``python -m tests.replay COMMAND``."""
 
 from __future__ import annotations
 
@@ -6,37 +6,31 @@ import argparse
 import sys
 from pathlib import Path
 
-from tests.replay import cases, compare, expectations
-from tests.replay.player import play
-from tests.replay.recordings import INPUTS
+from tests.replay import compare
+from tests.replay.record import RECORDINGS, expect, record
 
 
 def main() -> int:
     """Run one command; returns the exit status."""
     parser = argparse.ArgumentParser(prog="python -m tests.replay", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
-    commands.add_parser("record", help="make recordings and expectations anew, from the simulation")
-    commands.add_parser("expect", help="make the expectations anew from the stored recordings")
-    digest = commands.add_parser("digest", help="print a checksum of all answers for each case and key")
-    digest.add_argument("--inputs", type=Path, default=INPUTS, help="folder of the recordings and cases")
+    commands.add_parser("record", help="make the recordings anew, from the simulation")
+    commands.add_parser("expect", help="take the present answers for right: what was heard of the robot stays")
+    digest = commands.add_parser("digest", help="print a checksum of all answers for each recording, service and key")
+    digest.add_argument("--recordings", type=Path, default=RECORDINGS, help="folder of the recordings")
     against = commands.add_parser("compare", help="compare with another revision, to the last bit")
     against.add_argument("revision", metavar="REV", help="of git, such as HEAD")
     given = parser.parse_args()
-    if given.command == "compare":
-        return compare.compare(given.revision)
-    if given.command == "digest":
-        for line in compare.lines(given.inputs):
-            print(line, flush=True)
-        return 0
-    if given.command == "record":
-        # Only here: it needs the simulation, which a replay does without.
-        from tests.replay.record import record
-
-        record(INPUTS)
-    for case in cases.cases():
-        path = expectations.path_of(case)
-        expectations.save(path, play(case))
-        print(f"{path.name}: {path.stat().st_size} bytes")
+    match given.command:
+        case "compare":
+            return compare.compare(given.revision)
+        case "digest":
+            for line in compare.lines(given.recordings):
+                print(line, flush=True)
+        case "record":
+            record()
+        case "expect":
+            expect()
     return 0
 
 

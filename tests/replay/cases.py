@@ -1,22 +1,21 @@
-"""What is replayed: a recording, the services that hear it with their parameters, and what is done to it before.
+"""What is recorded: a robot, the services that hear it with their parameters, and what is done to it before.
 
-All of it lies beside the recordings (``inputs/cases.toml``), so that another version of the sources can be given the
-same.
+All of it lies in ``cases.toml``.
 """
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from tests.replay import recordings
-from tests.replay.recordings import Event
+from tests.replay.events import Event
 
 Edit = Mapping[str, Any]
 Changed = list[Event]
+HERE = Path(__file__).parent
 ROBOT = ("sensor/", "state/")
 """How the keys of the robot's process begin."""
 SOMEBODY = 77
@@ -25,47 +24,45 @@ SOMEBODY = 77
 
 @dataclass(frozen=True)
 class Case:
-    """One replay.
+    """One recording.
 
     Attributes:
         name: of it.
-        recording: the name of what is replayed.
+        robot: the name of the run in which the robot was heard.
         services: parameters of each service, in the order in which they start.
         end: simulated time [s] at which it ends.
         edits: what is done to the recording.
         restarts: times [ns] and names of services that are killed and started anew.
-        inputs: the folder that it is from.
     """
 
     name: str
-    recording: str
+    robot: str
     services: Mapping[str, Mapping[str, Any]]
     end: float
     edits: tuple[Edit, ...]
     restarts: tuple[tuple[int, str], ...]
-    inputs: Path
 
-    def events(self) -> list[Event]:
-        """What is put on the bus, in order of time."""
-        events = recordings.load(self.inputs / f"{self.recording}.xz")
+    def edited(self, events: Iterable[Event]) -> list[Event]:
+        """What is put on the bus in place of what a robot and people said, in order of time."""
+        changed = list(events)
         for edit in self.edits:
-            events = _EDITS[edit["do"]](events, edit)
+            changed = _EDITS[edit["do"]](changed, edit)
         end = _ns(self.end)
-        return sorted((event for event in events if event.time <= end), key=lambda event: event.time)
+        return sorted((event for event in changed if event.time <= end), key=lambda event: event.time)
 
 
-def cases(inputs: Path = recordings.INPUTS) -> list[Case]:
-    """All of a folder."""
-    with (inputs / "cases.toml").open("rb") as file:
+def cases() -> list[Case]:
+    """All of them."""
+    with (HERE / "cases.toml").open("rb") as file:
         content = tomllib.load(file)
-    return [_case(name, given, inputs) for name, given in content.items()]
+    return [_case(name, given) for name, given in content.items()]
 
 
-def _case(name: str, given: dict[str, Any], inputs: Path) -> Case:
+def _case(name: str, given: dict[str, Any]) -> Case:
     edits = given.get("edits", [])
     restarts = [(_ns(edit["at"]), edit["service"]) for edit in edits if edit["do"] == "restart"]
     others = tuple(edit for edit in edits if edit["do"] != "restart")
-    return Case(name, given["recording"], given["services"], given["end"], others, tuple(restarts), inputs)
+    return Case(name, given["robot"], given["services"], given["end"], others, tuple(restarts))
 
 
 def _ns(seconds: float) -> int:

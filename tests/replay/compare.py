@@ -1,41 +1,53 @@
-"""Two versions of the sources against each other, to the last bit, on the same recorded inputs."""
+"""Two versions of the sources against each other, to the last bit, on the same recordings."""
 
 from __future__ import annotations
 
+import hashlib
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from tests.replay import cases
-from tests.replay.player import digests, play
-from tests.replay.product import CODE
-from tests.replay.recordings import INPUTS
+import shared
+from services.experiment.replay.recorded import read
+from services.experiment.replay.replay import replay
+from shared.wire.log import NoRecording
+from tests.replay.record import RECORDINGS
 from tests.support.processes import ROOT
 from tests.support.revision import worktree
 
+CODE = Path(next(iter(shared.__path__))).resolve().parent
+"""Where the replayed sources lie."""
+SERVICES = ("wrench", "controller", "base", "task")
 _SOURCES = "sources in "
 Digests = dict[tuple[str, str], str]
-"""Checksum and number of messages for each case and key."""
+"""Checksum and number of answers for each recording, and service and key."""
 
 
-def lines(inputs: Path = INPUTS) -> Iterator[str]:
-    """Where the replayed sources lie; then case, key, checksum and number of messages, separated by tabs."""
+def lines(recordings: Path = RECORDINGS) -> Iterator[str]:
+    """Where the replayed sources lie; then recording, service and key, checksum and number of answers, with tabs."""
     yield f"{_SOURCES}{CODE}"
-    for case in cases.cases(inputs):
-        for key, (digest, count) in digests(play(case)).items():
-            yield f"{case.name}\t{key}\t{digest}\t{count}"
+    for path in sorted(recordings.iterdir()):
+        for service in SERVICES:
+            try:
+                found = read([path], service)
+            except NoRecording:
+                continue
+            for number, life in enumerate(found.lives, 1):
+                for key, answers in sorted(replay(found, life, {}).answers.items()):
+                    digest = hashlib.sha256(b"".join(answers[stamp].payload for stamp in sorted(answers)))
+                    yield f"{path.stem}\t{service} {number} {key}\t{digest.hexdigest()}\t{len(answers)}"
 
 
 def compare(revision: str) -> int:
     """Print key by key whether another revision answers alike; the exit status.
 
     Args:
-        revision: of the git repository; it needs a `tests/replay` of its own, which knows where its sources lie.
+        revision: of the git repository; it needs a `tests/replay` of its own that replays recordings.
     """
     with worktree(revision) as folder:
-        if not (folder / "tests/replay/__main__.py").exists():
-            print(f"{revision} has no tests/replay: nothing to compare with", file=sys.stderr)
+        if not (folder / "tests/replay/recordings").exists():
+            print(f"{revision} has no tests/replay/recordings: nothing to compare with", file=sys.stderr)
             return 2
         # Both at once, each in a process of its own.
         theirs, ours = _start(folder), _start(ROOT)
@@ -52,7 +64,7 @@ def compare(revision: str) -> int:
 
 
 def _start(folder: Path) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "tests.replay", "digest", "--inputs", str(INPUTS)]
+    command = [sys.executable, "-m", "tests.replay", "digest", "--recordings", str(RECORDINGS)]
     return subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True)
 
 

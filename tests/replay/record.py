@@ -1,9 +1,10 @@
-"""Makes the recordings: the simulation and the experiment's tool in a whole stack, heard in simulated time."""
+"""Makes the golden recordings: services that hear a robot, in simulated time, and all that they take and say."""
 
 from __future__ import annotations
 
+import shutil
 import tempfile
-from dataclasses import replace
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 
@@ -11,63 +12,163 @@ import cv2
 import msgpack
 import numpy as np
 
-from benchmarks.experiment_stack import LONGEST, Staged
-from services.experiment.carry import carry_protocol as carry
-from services.experiment.carry.carry import CARRY
-from services.experiment.load.load import LOAD
-from services.experiment.play.course import Run
-from services.experiment.spec import Experiment
-from tests.replay import recordings
-from tests.replay.recordings import Event
+from services.experiment.replay.recorded import outputs
+from services.experiment.replay.subjects import SUBJECTS
+from shared.loop.runner import Runner
+from shared.loop.stack import Stack
+from shared.topics import setup_topic
+from shared.wire.log import Heard, write_log
+from tests.replay.cases import HERE, Case, cases
+from tests.replay.events import LATENCY_NS, Event, events
 
-KEYS = ("sensor/ft", "sensor/camera", "state/ee", "state/gripper", "state/robot", "stop")
-"""What one of the replayed services subscribes to; nobody of them hears ``state/joints`` and ``state/base``."""
+RECORDINGS = HERE / "recordings"
+CAMERA = "sensor/camera"
+HEARD = (
+    "sensor/ft",
+    CAMERA,
+    "state/ee",
+    "state/gripper",
+    "state/robot",
+    "stop",
+    "control/target",
+)
+"""What the services take of others."""
+THINNED = ("command/ee_twist", "command/base_twist", "base/status")
+"""What no other service takes: every tenth of it is kept."""
 SESSION = 1000
-"""Stands for every session, which are drawn at random."""
-CAMERA_RATE = 3.0  # [Hz]: pictures are what takes most room
-QUALITY = 30  # [%] of a picture as it is kept: grey, its noise smoothed
+"""Stands for every session of the robot, which are drawn at random."""
+_BITS = 16  # behind the point of a number in SI units that a robot's sensor gives, so that a file stays small
+_POSES = 3  # of so many poses of the tool one is kept
 
 
-def record(folder: Path) -> None:
-    """Write both recordings."""
-    settings = carry.run("certified", "omni").settings
-    run = replace(
-        carry.run("certified", "omni"), settings={**settings, "sim": {**settings["sim"], "camera_rate": CAMERA_RATE}}
-    )
-    recordings.save(folder / "carry.xz", heard(CARRY, run, KEYS))
-    certified = LOAD.run_named("certified-100")
-    recordings.save(folder / "load.xz", heard(LOAD, certified, (*KEYS, "control/target")))
+def record() -> None:
+    """Play the runs in the simulation, then make every recording from what the robot said in them."""
+    # Only here: it needs the simulation, which a replay does without.
+    from benchmarks.experiment_stack import play_run
+    from tests.replay.robots import ROBOTS
 
-
-def heard(experiment: Experiment, run: Run, keys: tuple[str, ...]) -> list[Event]:
-    """What is put on the bus under some keys, and what is asked, while a run is played."""
-    events: list[Event] = []
     with tempfile.TemporaryDirectory() as name:
-        staged = Staged(partial(experiment.player, run), run, Path(name))
-        bus, clock = staged.stack.bus, staged.stack.scheduler.clock
-        publish, ask = bus.publish, bus.query_later
-
-        # Subscribing would be heard, too: a camera takes no pictures that nobody wants.
-        def publish_and_note(key: str, payload: bytes) -> None:
-            if key in keys:
-                events.append(Event(clock.now_ns(), key, _kept(msgpack.unpackb(payload))))
-            publish(key, payload)
-
-        def ask_and_note(key: str, payload: bytes, on_reply) -> bool:  # type: ignore[no-untyped-def]
-            if not key.startswith("sim/"):
-                events.append(Event(clock.now_ns(), key, msgpack.unpackb(payload), asked=True))
-            return ask(key, payload, on_reply)
-
-        bus.publish, bus.query_later = publish_and_note, ask_and_note  # type: ignore[method-assign]
-        staged.stack.run(LONGEST, done=lambda: staged.player.finished)
-    if not staged.player.finished:
-        raise TimeoutError(f"{run.name} did not end within {LONGEST:g} s of simulated time")
-    return events
+        for robot, (experiment, run) in ROBOTS.items():
+            play_run(experiment, run, path=Path(name) / f"{robot}.mcap")
+        make({robot: list(kept(events(Path(name) / f"{robot}.mcap", HEARD))) for robot in ROBOTS})
 
 
-def _kept(content: dict) -> dict:
-    if content.get("encoding") != "jpeg":
-        return {**content, "session": SESSION}
-    grey = cv2.imdecode(np.frombuffer(content["data"], dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
-    _, smaller = cv2.imencode(".jpg", cv2.GaussianBlur(grey, (3, 3), 0), (cv2.IMWRITE_JPEG_QUALITY, QUALITY))
-    return {**content, "session": SESSION, "data": smaller.tobytes()}
+def make(robots: dict[str, list[Event]]) -> None:
+    """Make every recording from what robots said, by the names of their runs."""
+    RECORDINGS.mkdir(exist_ok=True)
+    for case in cases():
+        write(case, case.edited(said_by_others(case, robots[case.robot])))
+
+
+def expect() -> None:
+    """Take the present answers for right: every recording anew, from what it has of the robot and of people."""
+    for case in cases():
+        write(case, said_by_others(case, events(_path(case), HEARD)))
+
+
+def said_by_others(case: Case, said: Iterable[Event]) -> list[Event]:
+    """What none of the case's services says itself."""
+    own = {topic.key for name in case.services for topic in outputs(name)} - {"stop"}
+    return [event for event in said if event.key not in own]
+
+
+def write(case: Case, given: Iterable[Event]) -> None:
+    """Let the services of a case hear events, and record."""
+    with tempfile.TemporaryDirectory() as name:
+        heard = _Staged(case, Path(name)).heard(given)
+    path = _path(case)
+    write_log(path, {"robot": "tiago", "case": case.name}, _thinned(heard))
+    print(f"{path.name}: {path.stat().st_size:,} bytes")
+
+
+def kept(said: Iterable[Event]) -> Iterable[Event]:
+    """What a robot said, in fewer bytes: numbers rounded, every third pose, pictures grey and without their noise."""
+    for event in said:
+        content = event.content if event.asked else {**event.content, "session": SESSION}
+        if event.key == "state/ee":
+            if content["seq"] % _POSES:
+                continue
+            content["seq"] //= _POSES
+        if event.key == CAMERA:
+            content["data"] = _smaller(content["data"])
+        elif event.key in ("sensor/ft", "state/ee"):
+            content = {name: _rounded(value) for name, value in content.items()}
+        yield Event(event.time, event.key, content, event.asked)
+
+
+def _rounded(value: object) -> object:
+    if isinstance(value, list):
+        return [round(number * 2**_BITS) / 2**_BITS for number in value]
+    return value
+
+
+def _smaller(picture: bytes) -> bytes:
+    grey = cv2.imdecode(np.frombuffer(picture, dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
+    _, smaller = cv2.imencode(".jpg", cv2.GaussianBlur(grey, (3, 3), 0), (cv2.IMWRITE_JPEG_QUALITY, 30))
+    return smaller.tobytes()
+
+
+def _path(case: Case) -> Path:
+    return RECORDINGS / f"{case.name}.mcap"
+
+
+def _thinned(heard: Iterable[Heard]) -> Iterable[Heard]:
+    count = dict.fromkeys(THINNED, 0)
+    for one in heard:
+        if one.key in THINNED:
+            count[one.key] += 1
+            if count[one.key] % 10 != 1:
+                continue
+        yield one
+
+
+class _Staged:
+    """The services of a case in a folder of their own, on a bus of which everything is heard."""
+
+    def __init__(self, case: Case, folder: Path) -> None:
+        self._case, self._folder = case, folder
+        self._stack = Stack(LATENCY_NS * 1e-9)
+        self._heard: list[Heard] = []
+        self._runners: dict[str, Runner] = {}
+        # A payload's file is copied: an identification would write to it.
+        shutil.copy(HERE / "payload.toml", folder)
+        said = {topic.key for name in case.services for topic in outputs(name)}
+        own = {setup_topic(name).key for name in case.services}
+        for key in sorted({*HEARD, *said, *own} - {CAMERA}):
+            self._stack.bus.subscribe(key, partial(self._hear, key))
+        for name in case.services:
+            self._start(name)
+
+    def heard(self, given: Iterable[Event]) -> list[Heard]:
+        """Lets the whole case pass."""
+        scheduler = self._stack.scheduler
+        for event in given:
+            scheduler.at(event.time, partial(self._put, event))
+        for time, service in self._case.restarts:
+            scheduler.at(time, partial(self._start, service))
+        scheduler.run_until(round(self._case.end * 1e9))
+        return self._heard
+
+    def _start(self, name: str) -> None:
+        """Start a service; one that runs already is killed before."""
+        if name in self._runners:
+            self._stack.kill(self._runners[name])
+        settings = {
+            key: value.replace("FOLDER", str(self._folder)) if isinstance(value, str) else value
+            for key, value in self._case.services[name].items()
+        }
+        service = SUBJECTS[name]((settings, settings.keys()), self._folder, lambda: self._stack.now)
+        self._runners[name] = self._stack.add(service)
+
+    def _put(self, event: Event) -> None:
+        payload = msgpack.packb(event.content)
+        if event.key == CAMERA and self._stack.bus.wanted(CAMERA):
+            # Listening there would be heard, too: pictures are taken for those who look.
+            self._stack.scheduler.at(event.time + LATENCY_NS, partial(self._hear, CAMERA, payload))
+        if not event.asked:
+            self._stack.bus.publish(event.key, payload)
+        elif not self._stack.bus.query_later(event.key, payload, lambda reply: None):
+            raise LookupError(f"{self._case.name}: nobody serves {event.key}")
+
+    def _hear(self, key: str, payload: bytes) -> None:
+        self._heard.append(Heard(key, self._stack.scheduler.clock.now_ns(), bytes(payload)))

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 from services.experiment.carry import carry_protocol as protocol
 from services.experiment.carry.carry_claims import judge
 from services.experiment.carry.carry_course import CarrySequence
-from services.experiment.carry.carry_film import film_data
 from services.experiment.carry.carry_measures import Measures, measure
-from services.experiment.carry.carry_tables import notes, tables
+from services.experiment.carry.carry_parts import recorded_parts
+from services.experiment.carry.carry_tables import notes, sentence, tables
 from services.experiment.play.course import Run
 from services.experiment.play.recording import Recording
 from services.experiment.spec import Account, Drawn, Experiment
@@ -32,14 +32,19 @@ def _draw(
             "within 0.3 s), the force of the person's hands, and the person's work while guiding the robot, "
             f"without half of the panel's weight. The parts named are those of {next(iter(walked))}.",
         )
+    frame = figures.Frame.of(recordings, measured)
     for name, run in runs.items():
         for kind, draw, caption in (
-            ("wrench", figures.draw_wrench, "force and torque at the tool, in base axes, every sample."),
+            (
+                "wrench",
+                figures.draw_wrench,
+                f"force and torque at the tool, base axes, every sample up to {figures.CUT_OFF:g} limits.",
+            ),
             ("paths", figures.draw_paths, "base, tool and hands from above, and the panel at some moments."),
             ("heights", figures.draw_heights, "heights of the panel's ends, and how it is turned."),
         ):
-            figure = draw(run, recordings[name], measured[name])
-            yield Drawn(f"{name}-{kind}", figure, f"{run.title}: {caption}")
+            figure = draw(run, recordings[name], measured[name], frame)
+            yield Drawn(f"{name}-{kind}", figure, f"{run.title}: {caption}", name)
 
 
 _LENGTH, _WIDTH, _ = protocol.PANEL_SIZE
@@ -58,8 +63,9 @@ CARRY = Experiment(
     choice=f"LAW-BASE with a law of {', '.join(protocol.LAWS)} and a base of {', '.join(protocol.BASES)}",
     duration=protocol.EXPECTED,
     filmed=protocol.FILMED,
+    beside=protocol.BESIDE,
     course=CarrySequence,
-    film_data=film_data,
+    parts=recorded_parts,
     account=Account(
         title="The carry",
         lead=f"The simulated TIAGo finds a panel of {_LENGTH:g} m by {_WIDTH:g} m and {protocol.PANEL_MASS:g} kg, "
@@ -71,10 +77,11 @@ CARRY = Experiment(
             "torque limits": f"{', '.join(f'{limit:g}' for limit in protocol.TORQUE_LIMIT)} Nm about x, y, z",
         },
         films={
-            "strip.png": "moments of the carry; below, what the head's camera sees",
-            "scene.mp4": "what was recorded of robot, panel and person, rendered",
+            "strip.png": "moments of the carry",
+            "scene.mp4": "what was recorded; on the left, if it was played, the paper's law",
         },
         measure=measure,
+        sentence=sentence,
         judge=judge,
         notes=notes,
         draw=_draw,

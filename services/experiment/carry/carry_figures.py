@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from services.experiment.carry.carry_measures import Measures
+from services.experiment.carry.carry_parts import parts
 from services.experiment.carry.carry_protocol import PANEL_SIZE
 from services.experiment.carry.effort import guiding_work
 from services.experiment.carry.excess import Wrenches
@@ -36,13 +37,57 @@ COLOURS = {"certified": BLUE, "paper": VERMILION, "stiffness": GREEN}
 STYLES: dict[str, Any] = {"certified": "-", "paper": (0, (4, 1.5)), "stiffness": (0, (1.5, 1))}
 DIFFERENTIAL = (0, (6, 2, 1, 2))
 SHOWN_BEFORE = 1.0  # [s] before the grasp
+CUT_OFF = 3.0  # [limits] off the nominal wrench: what is further away would make the rest too small to be seen
+BAND = 1.2  # [limits] that are shown at least
 _LABELS = ("f$_x$ [N]", "f$_y$ [N]", "f$_z$ [N]", "t$_x$ [Nm]", "t$_y$ [Nm]", "t$_z$ [Nm]")
 _FOOTPRINT = 0.27  # [m] radius of TIAGo's base
-_NAMES = {"lift": "lift", "lower": "lower", "let_go": "let go"}  # of what the person is about
 _SHADE = "#F0F0F0"
 
 
-def draw_wrench(run: Run, recording: Recording, found: Measures) -> Figure:
+@dataclass(frozen=True)
+class Frame:
+    """The scales of all runs' figures, so that they can be held against each other.
+
+    Attributes:
+        time: from just before the first grasp to just after the last release [s].
+        wrench: least and largest value (6, 2) [N, Nm] that is shown of each axis: up to `CUT_OFF` limits.
+        ground: least and largest x and y (2, 2) [m] of base, tool, hands and panel from above.
+        height: largest height [m] of the panel.
+    """
+
+    time: tuple[float, float]
+    wrench: np.ndarray
+    ground: np.ndarray
+    height: float
+
+    @classmethod
+    def of(cls, recordings: Mapping[str, Recording], found: Mapping[str, Measures]) -> Frame:
+        """Wide enough for all runs."""
+        ends = {name: _end(recordings[name], it) for name, it in found.items()}
+        wrenches = [Wrenches.of(recordings[name], it.held.start, ends[name]) for name, it in found.items()]
+        furthest = [one.nominal + sign * CUT_OFF * one.limit for one in wrenches for sign in (-1, 1)]
+        bands = np.vstack([one.nominal + sign * BAND * one.limit for one in wrenches for sign in (-1, 1)])
+        values = np.vstack([one.wrench for one in wrenches])
+        cut = np.clip(values, np.min(np.vstack(furthest), axis=0), np.max(np.vstack(furthest), axis=0))
+        shown = np.vstack([bands, cut])
+        points, heights = [], []
+        for name, it in found.items():
+            motion = Motion.of(recordings[name])
+            held = (motion.time >= it.held.start) & (motion.time < ends[name])
+            points += [path[held, :2] for path in (motion.base, motion.tool, motion.hand)]
+            points += [_outline(motion, int(k)) for k in np.flatnonzero(held)[:: max(1, int(held.sum()) // 50)]]
+            heights.append(float(motion.ends[held, :, 2].max()))
+        ground = np.vstack(points)
+        start = min(it.held.start for it in found.values())
+        return cls(
+            (start - SHOWN_BEFORE, max(ends.values()) + SHOWN_BEFORE),
+            np.stack([shown.min(axis=0), shown.max(axis=0)], axis=1),
+            np.stack([ground.min(axis=0) - _FOOTPRINT, ground.max(axis=0) + _FOOTPRINT], axis=1),
+            1.1 * max(heights),
+        )
+
+
+def draw_wrench(run: Run, recording: Recording, found: Measures, frame: Frame) -> Figure:
     """The six axes of the wrench at the tool over time, with the band that the limits leave."""
     figure, panels = stacked(6, 9.6)
     wrenches = Wrenches.of(recording, found.held.start, _end(recording, found))
@@ -56,15 +101,16 @@ def draw_wrench(run: Run, recording: Recording, found: Measures) -> Figure:
         over = (value < low[:, axis]) | (value > high[:, axis])
         axes.plot(time[over], value[over], ".", color=LIMIT_COLOUR, markersize=2.5, zorder=5, rasterized=True)
         axes.set_ylabel(_LABELS[axis])
+        axes.set_ylim(*frame.wrench[axis])
     head(panels[0], run.title, pad=34)
     panels[-1].set_xlabel("time [s]   (dashed: limits, centred on the agreed share of the weight; red: over a limit)")
-    panels[-1].set_xlim(found.held.start - SHOWN_BEFORE, _end(recording, found) + SHOWN_BEFORE)
+    panels[-1].set_xlim(*frame.time)
     mark(panels, found)
     figure.align_ylabels()
     return figure
 
 
-def draw_paths(run: Run, recording: Recording, found: Measures) -> Figure:
+def draw_paths(run: Run, recording: Recording, found: Measures, frame: Frame) -> Figure:
     """The paths of base, tool and hands from above, and the panel at some moments."""
     figure, axes = plt.subplots(figsize=(WIDTH, 4.3), layout="constrained")
     motion = Motion.of(recording)
@@ -85,6 +131,8 @@ def draw_paths(run: Run, recording: Recording, found: Measures) -> Figure:
     for x, y, _ in (first, last):
         axes.add_patch(plt.Circle((x, y), _FOOTPRINT, fill=False, color=FAINT, linewidth=0.8, zorder=2))
     axes.set_aspect("equal")
+    axes.set_xlim(*frame.ground[0])
+    axes.set_ylim(*frame.ground[1])
     axes.set_xlabel("x, away from the robot [m]   (dots: at the grasp; squares: at the release; circles: the base)")
     axes.set_ylabel("y, to its left [m]")
     head(axes, run.title)
@@ -92,7 +140,7 @@ def draw_paths(run: Run, recording: Recording, found: Measures) -> Figure:
     return figure
 
 
-def draw_heights(run: Run, recording: Recording, found: Measures) -> Figure:
+def draw_heights(run: Run, recording: Recording, found: Measures, frame: Frame) -> Figure:
     """Heights of the panel's ends, and how it is turned, over time."""
     figure, panels = stacked(2, 5.6)
     motion = Motion.of(recording)
@@ -106,7 +154,7 @@ def draw_heights(run: Run, recording: Recording, found: Measures) -> Figure:
     ):
         heights.plot(time, values[shown], color=colour, linestyle=style, linewidth=1.5, label=name)
     heights.set_ylabel("height of the panel [m]")
-    heights.set_ylim(bottom=-0.04)
+    heights.set_ylim(-0.04, frame.height)
     heights.legend(loc="lower left")
     tool = motion.tool_roll - motion.tool_roll[shown][0]
     for name, values, colour, style in (
@@ -123,7 +171,7 @@ def draw_heights(run: Run, recording: Recording, found: Measures) -> Figure:
             axes.axvline(found.held.end, color=INK, linewidth=0.9, zorder=2)
     head(heights, run.title, pad=34)
     turns.set_xlabel("time [s]   (line: the gripper opens)")
-    turns.set_xlim(float(time[0]), float(time[-1]))
+    turns.set_xlim(*frame.time)
     mark(panels, found)
     return figure
 
@@ -197,30 +245,11 @@ def _largest(time: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1).max(axis=1)
 
 
-@dataclass(frozen=True)
-class Part:
-    """Something that takes place from `start` to `end` [s]."""
-
-    name: str
-    start: float
-    end: float
-
-
-def parts(found: Measures) -> list[Part]:
-    """Grasp, what the person does with the panel, and release, in order of time."""
-    found_parts = [Part(one.name, one.start, one.end) for one in found.followed if np.isfinite(one.start)]
-    for named, names in ((found.doings, _NAMES), (found.states, {"grasping": "grasp", "releasing": "release"})):
-        for (name, start), (_, end) in zip(named, [*named[1:], ("", found.states[-1][1])], strict=True):
-            if name in names and end > start:
-                found_parts.append(Part(names[name], start, end))
-    return sorted(found_parts, key=lambda part: part.start)
-
-
 def mark(panels: Sequence[Axes], found: Measures) -> None:
     """Shades the parts in all panels, whose time axis is as it will be, and names them above the first one."""
     first, last = panels[0].get_xlim()
-    for part in parts(found):
-        if not first <= 0.5 * (part.start + part.end) <= last:
+    for part in parts(found.states, found.doings, found.followed, found.states[-1][1]):
+        if not part.name or not first <= 0.5 * (part.start + part.end) <= last:
             continue
         for axes in panels:
             axes.axvspan(max(part.start, first), min(part.end, last), color=_SHADE, linewidth=0, zorder=0)

@@ -27,7 +27,7 @@ EXPECTED = 65.0  # [s] that it takes if nothing goes wrong, for the progress
 RATE = 100.0  # [Hz] of the force-torque sensor
 LAWS = ("certified", "paper", "stiffness")
 BASES = {"omni": "omnidirectional base", "differential": "differential base", "none": "arm only"}
-FILMED = "certified-omni"  # the run that the film shows
+FILMED, BESIDE = "certified-omni", "paper-omni"  # the run that the film shows, and the one on its left
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from services.experiment.carry.effort import HARD_TORQUE
 from services.experiment.carry.excess import AFTER, AXES, BEFORE, FAR_OVER, REST_SPEED, REST_TURNING
 from services.experiment.carry.following import Followed
 from services.experiment.measure.claim import Table
+from services.experiment.play.course import Run
 
 NONE = "–"  # where there is no such figure
 
@@ -87,6 +88,17 @@ def _seconds(time: float) -> str:
     if math.isnan(time):
         return NONE
     return f"{time:.2f} s" if math.isfinite(time) else "never"
+
+
+def sentence(run: Run, found: Measures) -> str:
+    """What became of a run, in one sentence that goes on after its title."""
+    state, time = found.states[-1]
+    end = f"has carried it and let go after {time:.0f} s" if state == "done" else f"ends {state} ({found.reason})"
+    excess, effort = found.excess, found.effort
+    return (
+        f"{end}, over a limit for {_percent(excess.over)} of the time, {max(excess.peaks):.2f} limits at most; the "
+        f"person needs {effort.force:.1f} N and {effort.torque:.1f} Nm, and {effort.guiding:.1f} J to guide it."
+    )
 
 
 def notes(measured: Mapping[str, Measures]) -> list[str]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 import numpy as np
 
@@ -15,31 +15,24 @@ from services.experiment.measure.brakes import SETTLING
 from services.experiment.play.course import Run
 from services.experiment.play.recording import Recording
 from services.experiment.spec import Account, Drawn, Experiment
+from services.viewer.take import Part
 from shared import topics
 from shared.messages import ControlTarget
 from shared.spatial import quaternion_from_rpy
 
+_HANGS = {
+    "light": (f"{protocol.LIGHT:g} N hang from the tool", f"under {protocol.LIGHT:g} N"),
+    "heavy": (f"{protocol.HEAVY:g} N hang from it, more than its limit", f"under {protocol.HEAVY:g} N"),
+    "unload": ("the bag is taken off", "taken off"),
+}
+"""Caption in the film, and name of the still of its end."""
 
-def film_data(recording: Recording) -> dict[str, Any]:
-    """What `services/sim/film/load_film.py` reads: joint angles, bag and load on the joints' time base.
 
-    Raises:
-        KeyError: the recording lacks what the film shows.
-    """
-    joints, world, wrench = topics.STATE_JOINTS.key, topics.SIM_WORLD.key, topics.WRENCH_EXTERNAL.key
-    time = recording.time(joints)
-    shown = time >= 0
-    time = time[shown]
-    return {
-        "scene": "load",
-        "time": time,
-        "joint_names": recording.series(joints, "name")[0],
-        "joint_positions": recording.series(joints, "position")[shown],
-        "bag_mass": np.nan_to_num(recording.newest(world, time, "bag.mass")),
-        "bag_height": recording.newest(world, time, "bag.height"),
-        "force_z": np.interp(time, recording.time(wrench), recording.series(wrench, "force")[:, 2]),
-        "limit_z": np.full(len(time), recording.meta["force_limit"][2]),
-    }
+def parts(recording: Recording) -> list[Part]:
+    """What hangs from the tool, and since when."""
+    loads = [event for event in recording.events if event.name in _HANGS]
+    ends = [*(event.time for event in loads[1:]), float(recording.time(topics.STATE_EE.key)[-1])]
+    return [Part(event.name, event.time, end, *_HANGS[event.name]) for event, end in zip(loads, ends, strict=True)]
 
 
 def _draw(
@@ -58,11 +51,26 @@ def _draw(
         figures.draw_lowering(runs, recordings, measured),
         "The same after the heavier bag: how each law lowers it and how it lands. Unsmoothed.",
     )
+    frame = figures.Frame.of(recordings.values())
     for name, run in runs.items():
         caption = f"{run.title}: every sample (pale) and the mean over 0.3 s."
         if measured[name].brakes:
             caption += " Grey: a brake on the way down, and the time for which it upsets the load."
-        yield Drawn(name, figures.draw_run(run, recordings[name], measured[name]), caption)
+        yield Drawn(name, figures.draw_run(run, recordings[name], measured[name], frame), caption, name)
+
+
+def sentence(run: Run, found: Measures) -> str:
+    """What became of a run, in one sentence that goes on after its title."""
+    if run.law == "stiffness":
+        return f"sags by {1e3 * found.sag:.0f} mm under {protocol.LIGHT:g} N, the baseline that the paper starts from."
+    held = f"holds {protocol.LIGHT:g} N within {1e3 * found.hold_error:.1f} mm"
+    if not math.isfinite(found.landing):
+        return f"{held}, and does not bring {protocol.HEAVY:g} N to the ground."
+    return (
+        f"{held}, lowers {protocol.HEAVY:g} N to the ground in {found.lowering_time:.1f} s, the load swinging by "
+        f"±{found.load_swing:.1f} N, and bears {found.ground_peak:.1f} N there at most; the limit is "
+        f"{protocol.FORCE_LIMIT[2]:g} N."
+    )
 
 
 def _notes(measured: Mapping[str, Measures]) -> list[str]:
@@ -88,8 +96,9 @@ LOAD = Experiment(
     choice=f"from {', '.join(run.name for run in protocol.RUNS)}",
     duration=protocol.END_AT,
     filmed=protocol.FILMED,
+    beside=protocol.BESIDE,
     course=LoadSequence,
-    film_data=film_data,
+    parts=parts,
     account=Account(
         title="Load experiment",
         lead=f"The simulated TIAGo holds a pose with force limits of {protocol.FORCE_LIMIT[2]:.0f} N. A bag of "
@@ -100,8 +109,12 @@ LOAD = Experiment(
             "limits": f"{protocol.FORCE_LIMIT[0]:g} N, {protocol.TORQUE_LIMIT[0]:g} Nm on every axis",
             "bags": f"{protocol.LIGHT:g} N, then {protocol.HEAVY:g} N",
         },
-        films={"scene.mp4": "the recorded joint angles, rendered"},
+        films={
+            "strip.png": "the ends of its parts",
+            "scene.mp4": "what was recorded; on the left, if it was played, the paper's law",
+        },
         measure=measure,
+        sentence=sentence,
         judge=judge,
         notes=_notes,
         draw=_draw,

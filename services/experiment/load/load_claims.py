@@ -114,4 +114,6 @@ def _against_the_paper(paper: Measures, certified: Measures) -> Iterator[Row]:
         ("tool on the ground: steadier", "ground_ripple", 1e3, "mm", 2),
     ):
         ours, theirs = (scale * getattr(found, name) for found in (certified, paper))
-        yield short, f"{ours:.{digits}f} against {theirs:.{digits}f} {unit}", "no worse", ours <= theirs
+        figure = f"{ours:.{digits}f} against {theirs:.{digits}f} {unit}"
+        there = math.isfinite(ours) and math.isfinite(theirs)
+        yield short, figure if there else "never there", "no worse", there and ours <= theirs

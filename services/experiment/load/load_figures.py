@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,9 +21,34 @@ from shared import topics
 COLOURS = dict(zip((run.name for run in RUNS), ("#D55E00", "#56B4E9", "#0072B2", "#009E73", "#7F7F7F"), strict=True))
 STYLES = dict(zip((run.name for run in RUNS), ("-", (0, (4, 1.5)), "-", (0, (1.5, 1)), (0, (6, 2, 1, 2))), strict=True))
 HEIGHT = 5.0  # [in]
+LOAD = (-3.0, 37.0)  # [N] that is shown at least
+HEADROOM = 0.06  # of the range of heights
 
 
-def draw_run(run: Run, recording: Recording, found: Measures) -> Figure:
+@dataclass(frozen=True)
+class Frame:
+    """The scales of all runs' figures, so that they can be held against each other: load [N], height [m], end [s]."""
+
+    load: tuple[float, float]
+    height: tuple[float, float]
+    end: float
+
+    @classmethod
+    def of(cls, recordings: Iterable[Recording]) -> Frame:
+        """Wide enough for all recordings, and for `LOAD` at least."""
+        found = list(recordings)
+        # Before the clock starts there is nothing to see.
+        forces = [force[time >= 0.0] for time, force in map(_load, found)]
+        heights = [height[time >= 0.0] for time, height in map(_height, found)]
+        low, high = min(map(np.min, heights)), max(map(np.max, heights))
+        return cls(
+            (min(LOAD[0], *map(np.min, forces)), max(LOAD[1], *map(np.max, forces))),
+            (low - HEADROOM * (high - low), high + HEADROOM * (high - low)),
+            max(float(_height(recording)[0][-1]) for recording in found),
+        )
+
+
+def draw_run(run: Run, recording: Recording, found: Measures, frame: Frame) -> Figure:
     """Load -force z [N] with its limit, and tool z [m], of one run; grey is what a brake upset on the way down."""
     figure, (load, height) = stacked(2, HEIGHT)
     colour = COLOURS.get(run.name, "#0072B2")
@@ -35,7 +61,7 @@ def draw_run(run: Run, recording: Recording, found: Measures) -> Figure:
         load.axvspan(brake.start, brake.end + SETTLING, color=FAINT, alpha=0.25, linewidth=0)
     _mark((load, height), recording, found)
     head(load, run.title)
-    _finish((load, height), [recording])
+    _finish((load, height), frame)
     return figure
 
 
@@ -50,7 +76,7 @@ def draw_comparison(runs: Mapping[str, Run], recordings: Mapping[str, Recording]
         height.plot(*_height(recordings[name]), label=run.title, color=colour, linestyle=style, linewidth=1.4)
     _mark((load, height), next(iter(recordings.values())), None)
     _legend(figure, height)
-    _finish((load, height), list(recordings.values()))
+    _finish((load, height), Frame.of(recordings.values()))
     return figure
 
 
@@ -148,12 +174,14 @@ def _legend(figure: Figure, axes: Axes) -> None:
 
 def _labels(load: Axes, height: Axes) -> None:
     load.set_ylabel("load on the tool, −f$_z$ [N]")
-    load.set_ylim(-3.0, 37.0)
+    load.set_ylim(*LOAD)
     height.set_ylabel("tool height z [m]")
 
 
-def _finish(panels: Sequence[Axes], recordings: Sequence[Recording]) -> None:
+def _finish(panels: Sequence[Axes], frame: Frame) -> None:
     load, height = panels
     _labels(load, height)
+    load.set_ylim(*frame.load)
+    height.set_ylim(*frame.height)
     height.set_xlabel("time [s]")
-    height.set_xlim(0.0, max(float(_height(recording)[0][-1]) for recording in recordings))
+    height.set_xlim(0.0, frame.end)

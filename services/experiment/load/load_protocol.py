@@ -21,7 +21,7 @@ HEAVY = 28.0  # weight of the heavier bag [N]: over limit + 2 error bounds, see 
 LIGHT_AT, HEAVY_AT = 10.0, 17.0  # [s]
 UNLOAD_AT = 30.0  # [s]: the heavier bag has been on the ground for a while under every law
 END_AT = 45.0  # [s] at the latest; earlier when the tool has come back and rests
-FILMED = "certified-100"  # the run that the film shows
+FILMED, BESIDE = "certified-100", "paper-30"  # the run that the film shows, and the one on its left
 JITTER = 0.020  # [s] that a command may be late: the longest time one command acts is a period and this
 MARGIN = 0.5  # [N] kept between what noise can hide and the heavier bag
 

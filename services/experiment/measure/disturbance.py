@@ -13,6 +13,8 @@ from shared import topics
 
 GAP = 0.15  # [s] without a sample; the services latch a sensor failure after 0.1 s
 HELD = 0.02  # share of the time
+LATE = 0.02  # share of a process's steps; one brakes by itself when 5 % of those of a second are late
+_HEALTH = "health/"
 
 
 def longest_gap(recording: Recording) -> float:
@@ -25,6 +27,31 @@ def unhealthy(recording: Recording, start: float = 0.0) -> float:
     """Share of the time from a time [s] on during which the controller braked or waited."""
     rests = resting(recording)[recording.time(topics.CONTROL_STATUS.key) >= start]
     return float(np.mean(rests)) if len(rests) else 1.0
+
+
+def late_steps(recording: Recording) -> dict[str, float]:
+    """Share of the steps of each process that were late while the run was played, by the process's own count."""
+    found = {}
+    for key in recording.topics:
+        time = recording.time(key) if key.startswith(_HEALTH) else np.empty(0)
+        played = time >= 0.0
+        if np.count_nonzero(played) > 1:
+            # A process that was started again counts anew.
+            late = np.maximum(np.diff(recording.series(key, "overruns")[played]), 0).sum()
+            steps = (recording.series(key, "loop_hz")[played][1:] * np.diff(time[played])).sum()
+            found[key.removeprefix(_HEALTH)] = float(late / max(steps, 1.0))
+    return found
+
+
+def too_busy(recording: Recording) -> str:
+    """By what the machine shows that it was too busy for the run to be judged; empty if it kept time."""
+    late = late_steps(recording)
+    told = [f"{100 * share:.1f} % of the steps of {name} were late" for name, share in late.items() if share > LATE]
+    if told:
+        told[-1] += f" (bound {100 * LATE:g} %)"
+    if (gap := longest_gap(recording)) > GAP:
+        told.append(f"the force sensor was silent for {1e3 * gap:.0f} ms (bound {1e3 * GAP:g} ms)")
+    return ", ".join(told)
 
 
 def disturbances(measured: Mapping[str, Any]) -> list[str]:

@@ -17,7 +17,7 @@ from shared import topics
 from shared.topics import Query
 
 TARE_DURATION = 1.0  # [s] averaged
-TARE_AGAIN = 8  # times, when it is refused, or was taken where it does not hold
+TARE_AGAIN = 15  # times, when it is refused, or was taken where it does not hold
 ANSWER_WITHIN = 5.0  # [s] for the answer to a request, beyond what it takes by itself
 STACK_WITHIN = 30.0  # [s] for the stack to be ready for the run
 STILL_WITHIN = 60.0  # [s] for the tool to stand still, or to reach a pose
@@ -113,14 +113,15 @@ class Course(ABC):
         """A request that was sent at a time [s] was granted."""
 
     def refused(self, ask: Ask, reason: str, now: float) -> None:
-        """A request was not granted. A tare may be disturbed for a moment: the phase begins anew and asks again.
+        """A request was not granted. A tare may be disturbed for a moment, as while a stack starts on a busy machine:
+        the first one waits for a valid wrench again, a later one begins its phase anew, and asks again.
 
         Raises:
             Failed: for anything else, or too often.
         """
         if ask.query is not topics.WRENCH_TARE or not self.may_tare_again():
             raise Failed(f"{ask.query.key} was refused: {reason}")
-        self.enter(self.phase, now)
+        self.enter(WAITING if self.phase == STANDING else self.phase, now)
 
     def tare(self, now: float) -> list[Ask]:
         """Asks for a tare."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import threading
 import time
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from services.experiment.play.course import ANSWER_WITHIN, Ask, Failed
+from services.experiment.play.machine import machine
 from services.experiment.play.player import Answered, OnHeard, Player
 from services.experiment.play.recording import END, RECORDING, RUN
 from shared import topics
@@ -70,7 +70,7 @@ def play(compose: Compose, robot: str, connect: str, folder: Path, as_json: bool
             "robot": robot,
             "bus": f"Zenoh, router at {connect}",
             "date": time.strftime("%Y-%m-%d %H:%M"),
-            "cores": os.cpu_count(),
+            **machine(),
         }
         reason = _recorded(compose, client, folder, about, stop, as_json)
     except Occupied as problem:

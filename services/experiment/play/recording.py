@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from shared.clock import seconds
+from shared.requests import Setup
 from shared.topics import SENSOR_CAMERA, Topic, topic_by_key
 from shared.wire.codec import Rejected, decode
 from shared.wire.log import ABOUT, Heard, Log, NoRecording
@@ -44,12 +45,13 @@ class Recording:
 
     `meta` describes the run (name, law, limits, settings; JSON types only). `topics` maps a key without the robot's
     prefix to its columns: `time` (n,) [s] and one array (n,) or (n, k) per field, units as in the message (a field
-    that is itself called time becomes `message_time`).
+    that is itself called time becomes `message_time`). Time zero is `zero` [s] of the player's clock.
     """
 
     meta: dict[str, Any]
     events: list[Event] = field(default_factory=list)
     topics: dict[str, Columns] = field(default_factory=dict)
+    zero: float = 0.0
 
     def time(self, key: str) -> np.ndarray:
         """Times (n,) [s] of a topic's messages; KeyError names a topic that was never heard."""
@@ -91,7 +93,8 @@ class Recording:
         rejected: dict[str, int] = {}
         for key, arrival, payload in heard:
             topic = topic_by_key(key)
-            if topic is None or topic is SENSOR_CAMERA:
+            # Pictures are no series, and neither is what a service works by.
+            if topic is None or topic is SENSOR_CAMERA or topic.message is Setup:
                 continue
             plain = _plain(topic, payload)
             if plain is None:
@@ -105,7 +108,7 @@ class Recording:
                 column = "message_time" if name == "time" else name
                 topics[key] |= _columns(column, [plain[name] for _, plain in rows])
         events = [Event(time - start, name, detail) for time, name, detail in end["events"]]
-        return cls({**about, "rejected": rejected}, events, topics)
+        return cls({**about, "rejected": rejected}, events, topics, start)
 
     @classmethod
     def load(cls, path: Path) -> Recording:

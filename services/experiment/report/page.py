@@ -11,21 +11,59 @@ from typing import Any
 
 import jinja2
 
-from services.experiment.measure.claim import Claim, Table
+from services.experiment.measure.claim import Claim, Standing, Table
 
 _MEDIA = {".svg": "image/svg+xml", ".png": "image/png"}
 
 
 @dataclass(frozen=True)
+class Chapter:
+    """One run.
+
+    Attributes:
+        name, title: of it.
+        sentence: what became of it; goes on after the title.
+        claims: about it alone, and how each stands.
+        figures: of it.
+        busy: by what it is seen that the machine was too busy; empty if it was not.
+    """
+
+    name: str
+    title: str
+    sentence: str
+    claims: Sequence[tuple[Claim, Standing]]
+    figures: Sequence[tuple[Path, str]]
+    busy: str
+
+    @property
+    def standing(self) -> Standing:
+        """Of all claims about it: the worst."""
+        found = {standing for _, standing in self.claims}
+        return "fail" if "fail" in found else "not judged" if "not judged" in found else "pass"
+
+    @property
+    def verdict(self) -> str:
+        """How its claims stand, in words."""
+        count = len(self.claims)
+        wrong = sum(standing == self.standing for _, standing in self.claims)
+        words = {"pass": f"all {count} claims hold", "fail": f"{wrong} of {count} claims fail"}
+        return words.get(self.standing, f"{wrong} of {count} claims not judged")
+
+
+@dataclass(frozen=True)
 class Page:
-    """What stands on the page.
+    """What stands on the page, told as a story: the verdict, a sentence per run, pictures, the comparison, the runs.
 
     Attributes:
         title, lead: of the page.
-        claims: all of them; those of one run together.
-        tables: under the claims; rows of one name stand together, and their second column names them.
-        figures: SVG or PNG files with captions; they are embedded.
-        films: what stands at the top, with captions; a picture is embedded, a film linked.
+        verdict: in one sentence.
+        status: exit status that goes with it.
+        problems: what may have disturbed a run, a line each, but for what a chapter tells.
+        chapters: a run each.
+        compared: claims about two runs, and how each stands.
+        tables: below them; rows of one name stand together, and their second column names them.
+        figures: of all runs: SVG or PNG files with captions; they are embedded, like those of a run.
+        films: the first pictures, with captions; a picture is embedded, a film linked.
         facts: about all runs.
         files: of each run, which are linked.
         notes: how to read it.
@@ -35,7 +73,11 @@ class Page:
 
     title: str
     lead: str
-    claims: Sequence[Claim]
+    verdict: str
+    status: int
+    problems: Sequence[str]
+    chapters: Sequence[Chapter]
+    compared: Sequence[tuple[Claim, Standing]]
     tables: Sequence[Table]
     figures: Sequence[tuple[Path, str]]
     films: Sequence[tuple[Path, str]]

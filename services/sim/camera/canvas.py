@@ -1,4 +1,4 @@
-"""The robot and simple shapes in a renderer on the processor: what the scenes of films and the head camera share."""
+"""The robot and simple shapes in a renderer on the processor: what the head camera sees."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from shared.robot.tiago import TOOL_FRAME, URDF
+from shared.robot.tiago import URDF
 from shared.spatial import Array, quaternion
 
 Picture = NDArray[np.uint8]
@@ -48,7 +48,6 @@ class Canvas:
             for joint in range(pybullet.getNumJoints(self._robot, **self.on))
         ]
         self._joints = {entry[1].decode(): entry[0] for entry in info}
-        self._tool = next(entry[0] for entry in info if entry[12].decode() == TOOL_FRAME)
 
     def box(self, size: Sequence[float], colour: Colour) -> int:
         """A box of that size (3,) [m], out of sight until it is placed."""
@@ -74,16 +73,6 @@ class Canvas:
             if name in self._joints:
                 pybullet.resetJointState(self._robot, self._joints[name], position, **self.on)
 
-    def stand(self, x: float, y: float, yaw: float) -> None:
-        """Put the robot's base at a place [m] of the floor and a heading [rad]."""
-        turn = pybullet.getQuaternionFromEuler((0.0, 0.0, yaw))
-        pybullet.resetBasePositionAndOrientation(self._robot, (x, y, 0.0), turn, **self.on)
-
-    def tool(self) -> tuple[float, float, float]:
-        """Position [m] of the tool."""
-        state = pybullet.getLinkState(self._robot, self._tool, computeForwardKinematics=True, **self.on)
-        return state[4]
-
     def render(self, width: int, height: int, view: Matrix, projection: Matrix) -> tuple[Picture, Mask]:
         """The picture (height, width, 3) in red, green, blue, and where nothing is in it (height, width)."""
         _, _, pixels, depth, _ = pybullet.getCameraImage(
@@ -103,13 +92,3 @@ class Canvas:
     def close(self) -> None:
         """Release it."""
         self._release()
-
-
-def pixel(point: Sequence[float] | Array, view: Matrix, projection: Matrix, size: tuple[int, int]) -> Array:
-    """Where a point (3,) or points (n, 3) [m] appear in a picture of a size [px]: column and row, (2,) or (n, 2)."""
-    seen, shown = (np.reshape(matrix, (4, 4)).T for matrix in (view, projection))
-    points = np.asarray(point, dtype=float)
-    whole = np.concatenate((points, np.ones((*points.shape[:-1], 1))), axis=-1)
-    clipped = whole @ (shown @ seen).T
-    places = clipped[..., :2] / clipped[..., 3:]
-    return (np.array((1.0, 1.0)) + places * (1.0, -1.0)) / 2.0 * size

@@ -21,22 +21,20 @@ class PanelShapes:
     Args:
         canvas: where they are drawn.
         scenery: size of the panel, and its marker.
-        thicker: how many times as high above the panel the marker is drawn.
     """
 
-    def __init__(self, canvas: Canvas, scenery: Scenery, thicker: float = 1.0) -> None:
+    def __init__(self, canvas: Canvas, scenery: Scenery) -> None:
         self._canvas = canvas
         self._marker_in_panel = scenery.marker_in_panel
         self._panel = canvas.box(scenery.panel_size, FOAM)
         cell = scenery.marker_size / marker.CELLS
         whole = scenery.marker_size + 2.0 * marker.MARGIN * cell
-        white, black = thicker * PLATE, thicker * INK
-        plate = canvas.box((whole, whole, white), (1.0, 1.0, 1.0, 1.0))
+        plate = canvas.box((whole, whole, PLATE), (1.0, 1.0, 1.0, 1.0))
         # Each part with its place in the marker's frame.
-        self._parts = [(plate, np.array((0.0, 0.0, 0.5 * white)))]
+        self._parts = [(plate, np.array((0.0, 0.0, 0.5 * PLATE)))]
         for left, right, lower, upper in marker.strips(scenery.marker):
-            strip = canvas.box(((right - left) * cell, (upper - lower) * cell, black), (0.02, 0.02, 0.02, 1.0))
-            centre = np.array((0.5 * (left + right) * cell, 0.5 * (lower + upper) * cell, 0.5 * black))
+            strip = canvas.box(((right - left) * cell, (upper - lower) * cell, INK), (0.02, 0.02, 0.02, 1.0))
+            centre = np.array((0.5 * (left + right) * cell, 0.5 * (lower + upper) * cell, 0.5 * INK))
             self._parts.append((strip, centre))
 
     def pose(self, position: Array, rotation: Array, covered: bool) -> None:

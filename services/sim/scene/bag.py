@@ -93,6 +93,8 @@ class Bag:
                 return
             self._position = [tool[0], tool[1], tool[2] - ROPE_LENGTH]
             self._velocity = [0.0, 0.0, 0.0]
+            # The hand that took the last bag off has gone with it.
+            self._hand = _Handover(0.0, 0.0, HANDOVER)
         carried = self._hand.lift(0.0)
         if mass == 0.0:
             self._hand = _Handover(carried, self.mass * GRAVITY)

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from services.sim.robot.arm import Arm
+from services.sim.robot.arm import Arm, JointSetPoint
 from services.sim.robot.base import MobileBase, Vector
 from services.sim.robot.gripper import Gripper
 from services.sim.robot.head import Head
 from services.sim.scene.bag import Bag
 from services.sim.scene.panel_scene import PanelScene, Tool
-from shared.spatial import Array, rotation_from_vector
+from shared.sim_messages import BagState, HandState, PanelState, SimWorld
+from shared.spatial import Array, quaternion, rotation_from_vector
 
 
 @dataclass
@@ -83,11 +84,11 @@ class World:
         """Push the tool with a force (3,) [N] and a torque (3,) [Nm], base axes, for a duration [s]."""
         self._pushes.append(_Push(force, torque, duration))
 
-    def advance(self, twist: Array, base_velocity: Array, stopped: bool = False) -> None:
+    def advance(self, arm: Array | JointSetPoint, base_velocity: Array, stopped: bool = False) -> None:
         """One physics step.
 
         Args:
-            twist: that the arm is told to move its tool with (6,), relative to base.
+            arm: the twist (6,) that the arm is told to move its tool with, relative to base, or its joints' set-points.
             base_velocity: of the base: vx, vy [m/s], wz [rad/s] (3,).
             stopped: whether fingers and head have to stay where they are.
         """
@@ -108,7 +109,7 @@ class World:
             torque = total.tolist()
         if self.panel_scene is not None:
             force, torque = self._carried(self.panel_scene, force, torque)
-        self.arm.advance(twist, force, torque)
+        self.arm.advance(arm, force, torque)
         x, y, z = force
         self.contact_force = list(self.base.turned((x, y, z)))
         tx, ty, tz = torque or (0.0, 0.0, 0.0)
@@ -118,6 +119,19 @@ class World:
     def camera(self) -> tuple[Array, Array]:
         """Position (3,) [m] and rotation (3, 3) of the head camera's optical frame in base."""
         return self.head.camera(self.arm.physics.positions[0])
+
+    def told(self, marker_visible: bool) -> SimWorld:
+        """What is true, as a message; whether the marker is in the picture the camera knows."""
+        bag = BagState(self.bag.mass, self.bag.height) if self.bag.present else None
+        panel = hand = None
+        if (scene := self.panel_scene) is not None:
+            body = scene.panel.body
+            panel = PanelState(body.position, quaternion(body.rotation), 2.0 * scene.panel.half)
+            if scene.person.asked:
+                hands = scene.person.hands
+                wanted, turned = hands.wish(scene.panel)
+                hand = HandState(hands.place, hands.force, hands.torque, scene.person.doing, wanted, quaternion(turned))
+        return SimWorld(self.time, panel, bag, hand, np.array(self.contact_force), marker_visible)
 
     def _tool(self) -> Vector:
         """Position [m] of the tool in base."""

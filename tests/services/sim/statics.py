@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from services.sim.robot.kinematics import full_model, home, joint_names
+from services.sim.robot.kinematics import full_model, home
+from shared.robot.kinematics import joint_names
 from shared.robot.tiago import CHAIN, SENSOR_FRAME, TOOL_FRAME
 from shared.spatial import GRAVITY
 

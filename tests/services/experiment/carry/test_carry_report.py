@@ -12,8 +12,9 @@ import pytest
 
 from services.experiment.carry import carry_figures as figures
 from services.experiment.carry.carry import CARRY
-from services.experiment.carry.carry_figures import parts
+from services.experiment.carry.carry_figures import Frame
 from services.experiment.carry.carry_measures import measure
+from services.experiment.carry.carry_parts import STATES, recorded_parts
 from services.experiment.carry.carry_tables import tables
 from services.experiment.experiments import report
 from services.experiment.play.recording import Recording
@@ -32,7 +33,7 @@ def folder(carried: Recording, tmp_path_factory: pytest.TempPathFactory) -> Path
     (path / "certified-omni").mkdir()
     (path / "certified-omni" / "strip.png").write_bytes(b"strip")
     (path / "certified-omni" / "scene.mp4").write_bytes(b"film")
-    assert write(CARRY, {"certified-omni": carried, "paper-omni": paper}, path, ["tandem run carry <here>"]).good
+    assert write(CARRY, {"certified-omni": carried, "paper-omni": paper}, path, ["tandem run carry <here>"]).status == 0
     return path
 
 
@@ -59,7 +60,7 @@ def test_tables_compare_the_runs_axis_by_axis_and_movement_by_movement(folder: P
     found = measure(carried)
     compared, limits, movements = json.loads((folder / "claims.json").read_text())["tables"]
     for table in (compared, limits, movements):
-        assert f"<h2>{table['title']}</h2>" in page
+        assert f"<h3>{table['title']}</h3>" in page
         assert all(len(row) == len(table["head"]) for row in table["rows"])
         assert all(f"<td>{escape(cell)}</td>" in page for row in table["rows"] for cell in row[1:])
     assert compared["head"][1:] == ["certified-omni", "paper-omni"]
@@ -96,7 +97,7 @@ def test_a_carry_that_was_dropped_fails_the_command_and_is_drawn_all_the_same(
 ) -> None:
     dropped = copy.deepcopy(carried)
     defects.lost(dropped)
-    assert not write(CARRY, {"certified-omni": dropped}, tmp_path).good
+    assert write(CARRY, {"certified-omni": dropped}, tmp_path).status == 1
     assert "✗ fail" in (tmp_path / "index.html").read_text()
 
 
@@ -104,12 +105,25 @@ def test_a_panel_that_was_never_let_go_can_be_drawn(carried: Recording) -> None:
     held = copy.deepcopy(carried)
     defects.never_let_go(held)
     found = measure(held)
+    frame = Frame.of({"certified-omni": held}, {"certified-omni": found})
     for draw in (figures.draw_wrench, figures.draw_paths, figures.draw_heights):
-        assert draw(CARRY.run_named("certified-omni"), held, found).axes
+        assert draw(CARRY.run_named("certified-omni"), held, found, frame).axes
+
+
+def test_figures_of_different_runs_have_the_same_scales(carried: Recording) -> None:
+    hard = copy.deepcopy(carried)
+    hard.topics["wrench/external"]["force"][:, 1] *= 2.0
+    runs = {"certified-omni": carried, "paper-omni": hard}
+    measured = {name: measure(recording) for name, recording in runs.items()}
+    frame = Frame.of(runs, measured)
+    for draw in (figures.draw_wrench, figures.draw_paths, figures.draw_heights):
+        drawn = [draw(CARRY.run_named(name), runs[name], measured[name], frame) for name in runs]
+        scales = [[(*axes.get_xlim(), *axes.get_ylim()) for axes in figure.axes] for figure in drawn]
+        assert scales[0] == scales[1]
 
 
 def test_the_parts_are_those_of_the_script_in_its_order(carried: Recording) -> None:
-    names = [part.name for part in parts(measure(carried))]
+    names = [part.name for part in recorded_parts(carried) if part.name]
     assert names == [
         *("grasp", "lift", "pull", "push", "left", "right", "twist", "twist back", "turn", "lower"),
         *("release", "let go"),
@@ -119,3 +133,16 @@ def test_the_parts_are_those_of_the_script_in_its_order(carried: Recording) -> N
 def test_an_empty_folder_is_refused_with_one_line(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match="no recording of any run"):
         report(tmp_path)
+
+
+def test_the_stills_tell_the_whole_carry(carried: Recording) -> None:
+    found = recorded_parts(carried)
+    told = ["marker found", "grasped", "lifted", "pulled", "led sideways", "twisted", "turned upright", "set down"]
+    assert [part.still for part in sorted(found, key=lambda part: part.end) if part.still] == told
+    assert all(part.start < part.end for part in found)
+
+
+def test_no_state_of_the_task_goes_without_words() -> None:
+    from services.task.states import State
+
+    assert set(STATES) == {state.value for state in State}

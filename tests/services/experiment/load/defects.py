@@ -78,6 +78,12 @@ def stalled(recording: Recording) -> None:
     state[(time > 12.0) & (time < 13.5)] = "braking"
 
 
+def late(recording: Recording) -> None:
+    """Every twentieth step of the simulation is late, by its own count."""
+    health = recording.topics["health/sim"]
+    health["overruns"] = np.round(0.05 * health["loop_hz"] * np.maximum(health["time"], 0.0)).astype(int)
+
+
 def broken_off(recording: Recording) -> None:
     """The run ends with the first bag."""
     recording.events = [event for event in recording.events if event.time <= LIGHT_AT]

@@ -72,6 +72,20 @@ def test_a_tare_that_is_refused_once_is_asked_for_again() -> None:
     assert sequence.start is not None
 
 
+def test_a_refused_tare_waits_for_a_valid_wrench() -> None:
+    """As while a stack starts on a busy machine: refusals come at once, and would be used up within seconds."""
+    sequence, asked, now = LoadSequence(RUN), [], 0.0
+    while sequence.start is None and now < 60.0:
+        # The wrench has been valid for a moment, and is again from 15 s on.
+        seen = dataclasses.replace(AT_POSE, wrench_valid=now < 0.05 or now > 15.0)
+        for _ in sequence.step(now, seen):
+            asked.append(now)
+            sequence.answered({"ok": now > 15.0, "error": "sensor/ft is 168 ms old"})
+        now += PERIOD
+    assert sequence.start is not None
+    assert [one < 2.0 for one in asked] == [True, False]
+
+
 YES, NO = {"ok": True}, {"ok": False, "error": "the tool moves"}
 
 

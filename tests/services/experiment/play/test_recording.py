@@ -12,6 +12,7 @@ from services.experiment.play.recording import Recording
 from shared import topics
 from shared.clock import nanoseconds
 from shared.messages import Header, Health, InputHealth, JointState
+from shared.requests import Setup
 from shared.schema.records import Record
 from shared.sim_messages import BagState, SimWorld
 from shared.wire.codec import decode_map, encode, encode_map
@@ -61,6 +62,13 @@ def test_what_is_no_message_is_left_out_and_counted() -> None:
     recording = Recording.of({}, entries, {"start": 0.0, "events": []})
     assert recording.meta["rejected"] == {"sim/world": 4}
     assert recording.time("sim/world").tolist() == [2.0]
+
+
+def test_what_a_service_works_by_is_no_series_whatever_lists_it_has() -> None:
+    setups = [Setup({"zones": [{"reach": [1.0]}] * count}, (), {"a": "b"}, "", b"", (), b"") for count in range(3)]
+    entries = [Heard("setup/controller", number, payload(one)) for number, one in enumerate(setups)]
+    recording = Recording.of({}, [*entries, *heard()], ENDED)
+    assert "setup/controller" not in recording.topics and not recording.meta["rejected"]
 
 
 def test_times_and_events_count_from_the_start_not_from_a_field_called_time(recording: Recording) -> None:

@@ -65,6 +65,14 @@ def test_taken_off_it_is_gone() -> None:
     assert not bag.present
 
 
+def test_a_second_bag_is_hung_as_gently_as_the_first() -> None:
+    bag = loaded(1.0)
+    bag.load(0.0, TOOL)
+    hang(bag, 2.0)
+    bag.load(1.0, TOOL)
+    assert hang(bag, 2.0)[:, 2].min() > -1.02 * GRAVITY
+
+
 def test_set_down_it_rests_on_the_floor_and_the_rope_goes_slack() -> None:
     bag = loaded(2.85)
     drop = bag.height
