@@ -5,7 +5,6 @@ Of a running one it takes the limits in force and the error bound as they are no
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from dataclasses import dataclass
@@ -14,9 +13,12 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
+from rich.console import Console
+from rich.text import Text
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, refuse, three
-from services.controller.guarantee import as_map, as_text
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, AsJson, Connect, Robot, refuse, three
+from services.cli.listing import Listing, show_json
+from services.controller.guarantee import Statement, as_map, as_words
 from services.controller.parameters import ControllerParameters
 from shared import topics
 from shared.clock import in_words
@@ -55,7 +57,7 @@ def certify(
         list[str],
         typer.Option(help="X,Y,Z,W of the tool in base, to print the stiffness bound for, with --json; repeatable."),
     ] = [],  # noqa: B006
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Certified speeds, worst excess and what limits them, for the running controller or for given options."""
     chosen = offline or config is not None or bool(settings)
@@ -81,9 +83,19 @@ def certify(
                 into[part] = _three(option, text)
         rotations = [_rotation(text) for text in orientation] or [np.eye(3)]
         given = parameters, limit, error_bound, environment_speed
-        typer.echo(json.dumps(as_map(*given, rotations), indent=2) if as_json else as_text(*given))
+        if as_json:
+            show_json(as_map(*given, rotations))
+        else:
+            _show(as_words(*given))
     except (Misconfigured, ValueError) as problem:
         refuse(" ".join(str(problem).split()))
+
+
+def _show(told: Statement) -> None:
+    shown = Listing(*told.head)
+    for row in told.rows:
+        shown.add(*row)
+    Console().print(*map(Text, (*told.before, "")), shown, *map(Text, ("", *told.after)), sep="\n")
 
 
 @dataclass(frozen=True)

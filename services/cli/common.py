@@ -3,38 +3,59 @@
 from __future__ import annotations
 
 import math
+import os
+import shutil
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Annotated, Any, Literal, NoReturn
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from typing import Annotated, Any, NoReturn
 
 import typer
-from rich.table import Table
 
-from shared.faults import FaultKind
+from services.cli import memory
 from shared.parameters import Refused
-from shared.processes import speakers
 from shared.topics import Query
 from shared.wire.bus import Bus, NoReply
-from shared.wire.client import Client
+from shared.wire.client import Client, unanswered
 from shared.wire.credentials import Credentials
 from shared.wire.endpoint import DEFAULT_ENDPOINT as DEFAULT_ENDPOINT
 from shared.wire.endpoint import BusError, NoRouter
-from shared.wire.subscription import Subscription
 from shared.wire.turn import Turn
 from shared.wire.zenoh import ZenohBus
+
+
+def _endpoint(context: typer.Context, value: str) -> str:
+    """The endpoint that was named; without one, that of the only stack that this user runs for the robot."""
+    source = context.get_parameter_source("connect")
+    if context.resilient_parsing or source is None or source.name != "DEFAULT":
+        return value
+    there = [endpoint for robot, endpoint in memory.running() if robot == context.params.get("robot")]
+    if len(there) != 1 or there[0] == value:
+        return value
+    typer.echo(f"tandem: for the stack that runs on {there[0]}; --connect names another", err=True)
+    return there[0]
+
 
 Robot = Annotated[
     str, typer.Option("--robot", envvar="TANDEM_ROBOT", help="First part of every key: which robot this is about.")
 ]
 Connect = Annotated[
-    str, typer.Option("--connect", envvar="TANDEM_CONNECT", help="Endpoint of the router of the running stack.")
+    str,
+    typer.Option(
+        "--connect",
+        envvar="TANDEM_CONNECT",
+        callback=_endpoint,
+        help="Endpoint of the router of the running stack; if left out, of the one that you run.",
+    ),
 ]
 Router = Annotated[
-    str, typer.Option("--router", envvar="TANDEM_CONNECT", help="Endpoint that the stack's own router listens on.")
+    str,
+    typer.Option("--connect", "--router", envvar="TANDEM_CONNECT", help="Endpoint that the stack's own router has."),
 ]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 Links = Annotated[
     str | None,
     typer.Option(
@@ -48,6 +69,7 @@ DEFAULT_ROBOT = "tiago"
 CONNECT_WITHIN = 2.0  # [s]
 TAKE_OVER = {"task": "To take over: tandem task abort, release if it holds something, then reset"}
 """How to end what publishes a target, where Ctrl-C in its own terminal does not."""
+SILENCE = 2.0  # [s]: who waits for longer is told for what
 USAGE = 2
 """Exit status of a command that was given something it cannot take."""
 
@@ -56,6 +78,34 @@ def refuse(text: str, status: int = USAGE) -> NoReturn:
     """Ends the command with one clear line on standard error."""
     typer.echo(f"tandem: {text}", err=True)
     raise typer.Exit(status)
+
+
+def example(line: str) -> str:
+    """The end of a command's help: how it is used, in a line of its own."""
+    return f"\b\nExample:\n  {line}"
+
+
+@contextmanager
+def waiting(what: str, at_most: float = math.inf) -> Iterator[None]:
+    """Says what is awaited, and what to do about it, if the block takes longer than `SILENCE`, as it may if it takes
+    `at_most` [s].
+    """
+    if at_most <= SILENCE:
+        yield
+        return
+    timer = threading.Timer(SILENCE, typer.echo, (f"waiting: {what}",), {"err": True})
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
+def working(paths: Iterable[Path]) -> AbstractContextManager[None]:
+    """Says how much there is to read of a recording, if the block takes longer than `SILENCE`."""
+    size = sum(path.stat().st_size for path in paths) / 1e6
+    return waiting(f"{size:.0f} MB of recording are gone through, which takes time; Ctrl-C ends it")
 
 
 @contextmanager
@@ -69,12 +119,13 @@ def open_bus(
         refuse(f"--robot {robot!r}: wanted one chunk of a key, without / * $ # ?")
     deadline = time.monotonic() + within
     try:
-        bus = ZenohBus(
-            robot,
-            connect,
-            give_up=lambda: give_up() or time.monotonic() > deadline,
-            credentials=Credentials.given(robot),
-        )
+        with waiting(f"the router at {connect} is to answer; after {within:g} s this ends", within):
+            bus = ZenohBus(
+                robot,
+                connect,
+                give_up=lambda: give_up() or time.monotonic() > deadline,
+                credentials=Credentials.given(robot),
+            )
     except NoRouter:
         refuse(f"no router at {connect}. Start a stack with: tandem up, or choose another with --connect", 1)
     except BusError as problem:
@@ -87,19 +138,20 @@ def open_bus(
         bus.close()
 
 
-def ask(bus: Bus, query: Query, request: dict[str, Any], timeout: float = 3.0, silence: str = "") -> dict[str, Any]:
+def ask(
+    bus: Bus, query: Query, request: dict[str, Any], timeout: float = 3.0, silence: str = "", awaited: str = ""
+) -> dict[str, Any]:
     """The reply of a running service within a time [s]; its refusal or silence ends the command with one line.
 
-    ``silence`` is what that means; without it, it is found out.
+    ``silence`` is what that means; without it, it is found out. ``awaited`` is told if it takes long.
     """
     try:
-        return Client(bus).ask(query, request, timeout)
+        with waiting(awaited or f"{query.server} is to answer on {query.key}; after {timeout:g} s this says why not"):
+            return Client(bus).ask(query, request, timeout)
     except NoReply:
         if silence:
             refuse(f"no answer on {query.key} within {timeout:g} s: {silence}", 1)
-        there = not bus.living().isdisjoint(speakers(query.server))
-        why = f"{query.server} lives, but does not answer" if there else f"{query.server} is not running"
-        refuse(f"no answer on {query.key} within {timeout:g} s: {why}. See: tandem status", 1)
+        refuse(unanswered(bus, query, timeout), 1)
     except Refused as problem:
         refuse(f"{query.server} refused: {problem}", 1)
 
@@ -112,25 +164,6 @@ def go_first(turn: Turn) -> None:
         refuse(f"{who} publishes {turn.topic.key} and was first: nothing of this command is followed. {remedy}", 1)
 
 
-def unheard(subscription: Subscription) -> str:
-    """Why there is no message of a topic: nothing came, or nothing that came could be used; empty if there is one,
-    though it may say itself that it is not to be trusted.
-    """
-    fault = subscription.fault(subscription.now_ns(), math.inf)
-    if fault is None or fault.kind is FaultKind.INVALID:
-        return ""
-    return f"{str(fault).rstrip(chr(46))} See: tandem status"
-
-
-def table(*columns: str, vertical: Literal["top", "bottom"] = "top", **options: Any) -> Table:
-    """An empty table without lines; a column whose name ends with > is set to the right."""
-    made = Table(box=None, pad_edge=False, header_style="bold", **options)
-    for name in columns:
-        justify: Literal["left", "right"] = "right" if name.endswith(">") else "left"
-        made.add_column(name.removesuffix(">"), justify=justify, vertical=vertical, overflow="fold")
-    return made
-
-
 def three(option: str, text: str) -> list[float]:
     """One number for all axes, or three; refuses what is neither."""
     try:
@@ -140,6 +173,21 @@ def three(option: str, text: str) -> list[float]:
     if len(values) not in (1, 3):
         refuse(f"{option} {text!r}: wanted one number or three, got {len(values)}")
     return values * 3 if len(values) == 1 else values
+
+
+def check_place(option: str, folder: Path, needed: float) -> None:
+    """Refuses a folder that cannot be written or whose disk has less than `needed` [MB] left; makes nothing."""
+    there = folder.absolute()
+    while not there.exists():
+        there = there.parent
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+        why = "cannot be written" if there.is_dir() else "is no folder"
+        refuse(f"{option} {folder}: {there} {why}; choose another folder")
+    free = shutil.disk_usage(there).free / 1e6
+    if free < needed:
+        refuse(
+            f"{option} {folder}: {free:.0f} MB are free there, {needed:.0f} MB wanted; make room or choose another disk"
+        )
 
 
 def stop_event() -> threading.Event:

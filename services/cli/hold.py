@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from typing import Annotated
 
 import numpy as np
@@ -17,16 +19,19 @@ from services.cli.common import (
     refuse,
     stop_event,
     three,
-    unheard,
 )
 from services.cli.health.diagnose import control_line
+from services.wrench.averaging import AXES, UNITS
 from shared import topics
-from shared.messages import ControlTarget
+from shared.messages import ControlStatus, ControlTarget, EndEffector
+from shared.robot.side import at_present
 from shared.schema.fields import InvalidField
-from shared.spatial import quaternion_from_rpy
-from shared.wire.client import Client, forbidden
+from shared.spatial import pose_error, quaternion_from_rpy, rotation_matrix
+from shared.wire.client import Client, forbidden, unheard
 
 REPEAT = 0.1  # [s] between two messages of the target
+TELL = 2.0  # [s] between two words on the way
+NEAR, NEAR_TURN = 0.005, 0.02  # [m], [rad]: the pose is reached
 
 
 def hold(
@@ -43,7 +48,8 @@ def hold(
             refuse(why)
         client = Client(bus, name="hold")
         status, turn = client.watch(topics.CONTROL_STATUS), client.publisher.share(topics.CONTROL_TARGET)
-        end, shown, asked = stop_event(), "", False
+        tool, gate = client.watch(topics.STATE_EE), client.watch(topics.STATE_ROBOT)
+        end, shown, asked, way = stop_event(), "", False, Way(target)
         while not end.wait(REPEAT):
             go_first(turn)
             if not turn.listened:
@@ -56,9 +62,63 @@ def hold(
             if line.split(":")[0] != shown:
                 shown = line.split(":")[0]
                 typer.echo(f"controller: {line}")
+            if tool.latest and status.latest and not unheard(status):
+                reason = gate.latest.message.reason if gate.latest else ""
+                if told := way.told(time.monotonic(), tool.latest.message, status.latest.message, reason):
+                    typer.echo(told)
         missing = unheard(status)
         followed = status.latest is not None and status.latest.message.state in ("tracking", "yielding") and not missing
-    typer.echo("the last target stays in force" if asked and followed else f"nothing is held: {missing or line}")
+    if asked and followed:
+        typer.echo(f"{way.left or 'the tool was not heard'}; the last target stays in force")
+    else:
+        typer.echo(f"nothing is held: {missing or line}")
+
+
+class Way:
+    """How far the tool has got to the pose, and what holds it back.
+
+    Attributes:
+        left: the way left in words, as it was last; empty before the tool was heard.
+    """
+
+    def __init__(self, target: ControlTarget) -> None:
+        self.left = ""
+        self._target = target
+        self._rotation = rotation_matrix(target.orientation)
+        self._at = -math.inf  # [s] when it was told last
+        self._there = False
+
+    def told(self, now: float, tool: EndEffector, status: ControlStatus, gate: str) -> str:
+        """What is to be told at a time [s] on the steady clock: the arrival, and the way every `TELL`; else empty.
+
+        Args:
+            now: steady clock [s].
+            tool: where it is.
+            status: of the controller.
+            gate: the reason that the robot's gate gives.
+        """
+        error = pose_error(tool.position, rotation_matrix(tool.orientation), self._target.position, self._rotation)
+        way, turn = float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))
+        self.left = f"{1e3 * way:.0f} mm and {math.degrees(turn):.1f} degrees from the pose"
+        arrived, self._there = self._there, way < NEAR and turn < NEAR_TURN
+        if self._there:
+            return "" if arrived else f"there: {self.left}"
+        if now - self._at < TELL:
+            return ""
+        self._at = now
+        back = held_back(status, gate)
+        return f"{self.left}{back and f', held back: {back}'}"
+
+
+def held_back(status: ControlStatus, gate: str) -> str:
+    """What keeps the tool from the pose, in words; empty if nothing does but its speed."""
+    at_limit = [
+        f"{name} at its limit ({margin:+.2g} {unit} left)"
+        for name, unit, margin, active in zip(AXES, UNITS, status.margin, status.active, strict=True)
+        if active
+    ]
+    resting = status.reason or status.state if status.state in ("waiting", "braking") else ""
+    return "; ".join(filter(None, (resting, ", ".join(at_limit), at_present(gate))))
 
 
 def make_target(pose: list[float], force: list[float], torque: list[float]) -> ControlTarget:

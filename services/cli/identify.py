@@ -19,15 +19,14 @@ from services.cli.common import (
     open_bus,
     refuse,
     three,
-    unheard,
 )
-from services.cli.hold import REPEAT, make_target
+from services.cli.hold import REPEAT, TELL, make_target
 from shared import topics
 from shared.messages import ControlTarget, EndEffector, RobotStatus
 from shared.parameters import Refused
 from shared.spatial import pose_error, rotation_matrix, rpy_from_rotation
 from shared.wire.bus import NoReply
-from shared.wire.client import Client, forbidden
+from shared.wire.client import Client, forbidden, unheard
 from shared.wire.subscription import Subscription
 from shared.wire.turn import Turn
 from shared.wire.zenoh import ZenohBus
@@ -69,6 +68,7 @@ def identify(
         typer.echo("Nothing may touch it, and nothing but its payload may hang from it.")
         if not yes:
             typer.confirm("Move now?", abort=True)
+        typer.echo("taring: nothing may touch the tool")
         # Before a tare the error bound holds the whole weight, and the controller would hardly dare to turn.
         _measure(client, topics.WRENCH_TARE, {"duration": 1.0, "force": force})
         ask(bus, topics.WRENCH_IDENTIFY, {"action": "start"})
@@ -111,7 +111,7 @@ def _measure(client: Client, query: topics.Query, request: dict[str, Any]) -> No
 def _go(client: Client, turn: Turn, subscription: Subscription[EndEffector], target: ControlTarget) -> float:
     """Repeats the target until the tool is still, near it or where its joints end; returns the angle left [rad]."""
     deadline = time.monotonic() + REACH_WITHIN
-    still_since = None
+    still_since, told = None, time.monotonic()
     while time.monotonic() < deadline:
         go_first(turn)
         if turn.listened:
@@ -123,6 +123,9 @@ def _go(client: Client, turn: Turn, subscription: Subscription[EndEffector], tar
         error = pose_error(tool.position, stands, target.position, wanted)
         moving = max(np.linalg.norm(tool.linear), np.linalg.norm(tool.angular)) > STILL
         away = float(np.linalg.norm(error[3:]))
+        if time.monotonic() - told > TELL:
+            told = time.monotonic()
+            typer.echo(f"({math.degrees(away):.0f} degrees left) ", nl=False)
         if moving:
             still_since = None
         elif still_since is None:

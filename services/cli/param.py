@@ -6,9 +6,19 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.table import Table
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse, table
+from services.cli.common import (
+    DEFAULT_ENDPOINT,
+    DEFAULT_ROBOT,
+    AsJson,
+    Connect,
+    Robot,
+    ask,
+    example,
+    open_bus,
+    refuse,
+)
+from services.cli.listing import Listing, show_json
 from shared.loop.config import service_assignment, value_of
 from shared.topics import PARAMETER_QUERIES, Query
 
@@ -16,9 +26,10 @@ app = typer.Typer(help="Parameters of running services.")
 QUERIES = {query.server: query for query in PARAMETER_QUERIES}
 
 
-@app.command("get")
+@app.command("get", epilog=example("tandem param get controller.law"))
 def get(
     name: Annotated[str, typer.Argument(help="SERVICE or SERVICE.NAME, such as controller.law.")],
+    as_json: AsJson = False,
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
@@ -27,17 +38,21 @@ def get(
     query = _query(service)
     with open_bus(robot, connect) as bus:
         parameters = ask(bus, query, {})["parameters"]
-    if not wanted:
-        Console().print(_table(parameters))
-        return
-    if wanted not in parameters:
+    if wanted and wanted not in parameters:
         refuse(f"{name}: {service} has no such parameter; it has {', '.join(parameters)}")
-    typer.echo(shown(parameters[wanted]["value"]))
+    if as_json:
+        chosen = {wanted: parameters[wanted]} if wanted else parameters
+        show_json({"robot": robot, "endpoint": connect, "service": service, "parameters": chosen})
+    elif not wanted:
+        Console().print(_listing(parameters))
+    else:
+        typer.echo(shown(parameters[wanted]["value"]))
 
 
-@app.command("set")
+@app.command("set", epilog=example("tandem param set controller.max_linear=0.1"))
 def set_(
     settings: Annotated[list[str], typer.Argument(help="SERVICE.NAME=VALUE in TOML, e.g. controller.max_linear=0.1")],
+    as_json: AsJson = False,
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
@@ -50,11 +65,15 @@ def set_(
             refuse(f"{setting!r}: wanted SERVICE.NAME=VALUE, such as controller.max_linear=0.1")
         _query(service)
         changes.setdefault(service, {})[parameter] = read(text)
+    changed: dict[str, dict[str, Any]] = {}
     with open_bus(robot, connect) as bus:
         for service, values in changes.items():
             parameters = ask(bus, QUERIES[service], {"set": values})["parameters"]
-            for parameter in values:
+            changed[service] = {parameter: parameters[parameter] for parameter in values}
+            for parameter in () if as_json else values:
                 typer.echo(f"{service}.{parameter} = {shown(parameters[parameter]['value'])}")
+    if as_json:
+        show_json({"robot": robot, "endpoint": connect, "changed": changed})
 
 
 def read(text: str) -> Any:
@@ -85,10 +104,10 @@ def _query(service: str) -> Query:
     return QUERIES[service]
 
 
-def _table(parameters: dict[str, dict[str, Any]]) -> Table:
-    shows = table("parameter", "value", "unit", "allowed", "meaning")
+def _listing(parameters: dict[str, dict[str, Any]]) -> Listing:
+    shows = Listing("parameter", "value", "unit", "allowed", "meaning")
     for name, row in parameters.items():
-        shows.add_row(name, shown(row["value"]), row["unit"], _range(row["min"], row["max"]), row["doc"])
+        shows.add(name, shown(row["value"]), row["unit"], _range(row["min"], row["max"]), row["doc"])
     return shows
 
 

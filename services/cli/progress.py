@@ -11,15 +11,17 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Column
 
+from services.cli.listing import say
+
 _NUMBER = re.compile(r"-?\d+(\.\d+)?")
 
 
 class Progress:
     """One bar per run over the protocol's time; a context manager."""
 
-    def __init__(self, titles: Sequence[str], duration: float) -> None:
-        """Bars of `duration` [s], none started."""
-        self._console = Console()
+    def __init__(self, titles: Sequence[str], duration: float, console: Console) -> None:
+        """Bars of `duration` [s] on a console, none started."""
+        self._console = console
         self._duration = duration
         self._said: dict[str, str] = {}
         self._bars: bars.Progress | None = None
@@ -77,4 +79,4 @@ class Progress:
         if self._said.get(title) != words:
             self._said[title] = words
             clock = "" if elapsed is None else f"{elapsed:5.1f} s  "
-            self._console.print(f"{clock}{title}: {text}", highlight=False, soft_wrap=True)
+            say(self._console, f"{clock}{title}: {text}")

@@ -5,15 +5,16 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, refuse
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, check_place, refuse, working
+from services.cli.extras import need
 from services.experiment.play.recording import END, RUN, Recording
 from shared.clock import seconds
-from shared.processes import process_named
-from shared.wire.log import ABOUT, SUFFIX, Log, NoRecording
+from shared.processes import RECORDER
+from shared.wire.log import ABOUT, Heard, Log, NoRecording, recordings
 
 
 def record(
@@ -24,33 +25,60 @@ def record(
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
     """Write all that is said of a robot to the disk (MCAP), until Ctrl-C."""
-    command = [sys.executable, "-m", process_named("recorder").module, "--robot", robot, "--connect", connect]
+    check_place("--out", out or Path("runs"), most)
+    command = [sys.executable, "-m", RECORDER.module, "--robot", robot, "--connect", connect]
     command += ["--most", str(most), *(["--out", str(out)] if out else []), *([] if camera else ["--no-camera"])]
     # The recorder itself from here on: signals and exit status are its own.
     os.execv(command[0], command)
 
 
 def export(
-    recording: Annotated[Path, typer.Argument(help="A recording, or a folder of them.")],
+    recording: Annotated[Path, typer.Argument(help="A recording, or a folder of them; numbered files are one.")],
     csv: Annotated[Path | None, typer.Option(help="Folder for a CSV file per topic.")] = None,
+    foxglove: Annotated[Path | None, typer.Option(help="File (.mcap) that Foxglove and rerun show.")] = None,
 ) -> None:
-    """Turn recordings into tables, times in seconds from the beginning."""
-    files = sorted(recording.glob(f"**/*{SUFFIX}")) if recording.is_dir() else [recording]
-    if not files:
-        refuse(f"{recording}: no recording (*{SUFFIX}) in it")
-    if csv is None:
-        refuse(f"export {recording}: say what to make of it: --csv FOLDER")
-    for file in files:
-        try:
-            log = Log(file)
-            heard = list(log)
-            about = {**log.about[ABOUT], **log.about.get(RUN, {})}
-            first = seconds(heard[0].arrival_ns) if heard else 0.0
-            series = Recording.of(about, heard, log.about.get(END, {"start": first, "events": []}))
-            folder = csv / file.relative_to(recording).with_suffix("") if len(files) > 1 else csv
-            written = series.write_csv(folder)
-        except NoRecording as problem:
-            refuse(str(problem), 1)
-        except OSError as problem:
-            refuse(f"{problem.filename or file}: {problem.strerror}", 1)
-        typer.echo(f"{file}: {len(written)} tables in {folder}")
+    """Turn recordings into tables, times in seconds from the beginning, or into what other programs show."""
+    if csv is None and foxglove is None:
+        refuse(f"export {recording}: say what to make of it: --csv FOLDER, --foxglove FILE")
+    try:
+        found = recordings(recording)
+        with working(path for paths in found for path in paths):
+            if foxglove is not None:
+                _for_foxglove(recording, found, foxglove)
+            if csv is not None:
+                for paths in found:
+                    _tables(recording, paths, csv, len(found) > 1)
+    except NoRecording as problem:
+        refuse(str(problem), 1)
+    except OSError as problem:
+        refuse(f"{problem.filename or recording}: {problem.strerror}", 1)
+
+
+def _tables(place: Path, paths: list[Path], csv: Path, several: bool) -> None:
+    about: dict[str, dict[str, Any]] = {}
+    heard: list[Heard] = []
+    for path in paths:
+        log = Log(path)
+        heard += log
+        about |= log.about
+    first = seconds(heard[0].arrival_ns) if heard else 0.0
+    said = {**about[ABOUT], **about.get(RUN, {})}
+    series = Recording.of(said, heard, about.get(END, {"start": first, "events": []}))
+    folder = csv / paths[0].relative_to(place).with_suffix("") if several else csv
+    typer.echo(f"{paths[0]}: {len(series.write_csv(folder))} tables in {folder}")
+
+
+def _for_foxglove(place: Path, found: list[list[Path]], out: Path) -> None:
+    if len(found) > 1:
+        refuse(f"{place}: {len(found)} recordings, name one: {', '.join(str(paths[0]) for paths in found)}")
+    if out.exists():
+        refuse(f"--foxglove {out}: there already")
+    need({RECORDER.name})
+    # Only here: tables need none of Foxglove's types.
+    from services.recorder.export import export as written
+
+    out.parent.mkdir(parents=True, exist_ok=True)
+    done = written(found[0], out)
+    typer.echo(f"{out}: {done.messages:,} messages as JSON, {done.shown:,} of Foxglove's types")
+    for key, count in done.rejected.items():
+        typer.echo(f"{key}: {count:,} payloads are no messages of the contract, and left out", err=True)

@@ -7,12 +7,15 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.console import Console
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, ask, open_bus, refuse, waiting
+from services.cli.listing import Listing
 from services.experiment.running import set_back
 from shared import topics
 from shared.clock import in_words
 from shared.parameters import Refused
+from shared.requests import TASK_WORDS
 from shared.schema.fields import InvalidField
 from shared.sim_messages import FAULT_TARGETS, FAULTS, SensorFault
 from shared.spatial import GRAVITY
@@ -29,8 +32,9 @@ def tare(
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
     """Average the force-torque sensor while the robot is still and nothing touches it; subtract that from now on."""
+    wanted, awaited = {"duration": duration, "force": force}, f"averages for {duration:g} s: nothing may touch the tool"
     with open_bus(robot, connect) as bus:
-        reply = ask(bus, topics.WRENCH_TARE, {"duration": duration, "force": force}, timeout=duration + 3.0)
+        reply = ask(bus, topics.WRENCH_TARE, wanted, timeout=duration + 3.0, awaited=awaited)
     before = reply.get("replaced_age", -1.0)
     replaced = f"; the zero before was {in_words(before)} old" if before >= 0.0 else ""
     typer.echo(f"tared over {reply['samples']} samples (sensor axes){replaced}")
@@ -46,7 +50,7 @@ def tare(
 
 
 def task(
-    command: Annotated[str, typer.Argument(help="start, abort, release or reset")],
+    command: Annotated[str, typer.Argument(help=", ".join(TASK_WORDS), autocompletion=lambda: list(TASK_WORDS))],
     robot: Robot = DEFAULT_ROBOT,
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
@@ -135,7 +139,10 @@ def fault(
     """Break a sensor of the simulated robot, or mend it; without arguments list what can be broken, and how."""
     if not target:
         for title, rows in (("TARGET", TARGETS), ("KIND", KINDS)):
-            typer.echo("\n".join((title, *(f"  {name:8}{text}" for name, text in rows.items()))))
+            shown = Listing(title, "")
+            for row in rows.items():
+                shown.add(*row)
+            Console().print(shown)
         return
     if value and kind not in ("bias", "delay"):
         refuse(f"fault {target} {kind} {value}: {kind} takes no value")
@@ -154,7 +161,8 @@ def reset(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) -> 
     """Set the simulated scene back for another carry: robot, panel, person, faults, and the task. Tare afterwards."""
     with open_bus(robot, connect) as bus:
         try:
-            set_back(Client(bus))
+            with waiting("the task is to see an empty gripper and the robot's new session, which takes up to 10 s"):
+                set_back(Client(bus))
         except NoReply as problem:
             refuse(f"{problem}: {_SIMULATED}", 1)
         except Refused as problem:

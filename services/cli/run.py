@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 import threading
@@ -12,29 +13,44 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
 from services.cli.background import Background, NoResult
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Links, Robot, Router, refuse, stop_event, table
+from services.cli.common import (
+    DEFAULT_ENDPOINT,
+    DEFAULT_ROBOT,
+    AsJson,
+    Links,
+    Robot,
+    Router,
+    check_place,
+    example,
+    refuse,
+    stop_event,
+)
+from services.cli.extras import need
+from services.cli.health import machine
+from services.cli.listing import Listing, say, show_json
 from services.cli.progress import Progress
 from services.cli.stack.children import Children
 from services.cli.stack.lane import Lane
+from services.cli.stack.page import Page, View
 from services.cli.stack.plan import Plan, check_port, write_config
 from services.cli.stack.processes import start_router
 from services.experiment import experiments
 from services.experiment.experiments import EXPERIMENTS
-from services.experiment.measure.claim import Claim
 from services.experiment.measure.claim import Table as Figures
 from services.experiment.play.course import Run
 from services.experiment.play.recording import RECORDING
+from shared.processes import EXPERIMENT, STACK, VIEWER
 
 if TYPE_CHECKING:
     from services.experiment.report.report import Report
 
 POLL = 0.1  # [s]
 INTERRUPTED = 130  # exit status, as of a shell after Ctrl-C
-FILM_WITHIN, REPORT_WITHIN = 300.0, 600.0  # [s]
+SPACE = 100.0  # [MB] that a run may take: recording, film and figures
+FILM_WITHIN, REPORT_WITHIN = 900.0, 600.0  # [s], on a busy machine
 
 app = typer.Typer(help="Play an experiment with real processes and write its report.")
 
@@ -52,7 +68,7 @@ CARRIES = max(1, min(4, (os.cpu_count() or 1) // 2))
 Film = Annotated[bool, typer.Option(help="Render a film of the scene.")]
 
 
-@app.command()
+@app.command(epilog=example("tandem run load --runs certified-100"))
 def load(
     runs: Runs = "",
     out: Out = None,
@@ -61,12 +77,14 @@ def load(
     robot: Robot = DEFAULT_ROBOT,
     router: Router = DEFAULT_ENDPOINT,
     links: Links = None,
+    view: View = True,
+    as_json: AsJson = False,
 ) -> None:
-    """The paper's load experiment under every law; exit status 1 when a claim fails."""
-    _run("load", _names(runs), out, parallel, film, robot, router, links)
+    """The paper's load experiment under every law; exit status 1 when a claim fails, 4 when some cannot be judged."""
+    _run("load", _names(runs), out, parallel, film, robot, router, links, view, as_json)
 
 
-@app.command()
+@app.command(epilog=example("tandem run carry --law certified --no-film"))
 def carry(
     law: Annotated[str, typer.Option(help="certified, paper or stiffness: that run alone.")] = "",
     base: Annotated[str, typer.Option(help="omni or differential: that run alone.")] = "",
@@ -78,8 +96,10 @@ def carry(
     robot: Robot = DEFAULT_ROBOT,
     router: Router = DEFAULT_ENDPOINT,
     links: Links = None,
+    view: View = True,
+    as_json: AsJson = False,
 ) -> None:
-    """Robot and person find, lift, carry, turn and set down a panel; exit status 1 when a claim fails."""
+    """Robot and person find, lift, carry, turn and set down a panel; exit status as of `load`."""
     if no_base and base:
         refuse(f"--no-base and --base {base}: choose one")
     if runs and (law or base or no_base):
@@ -87,7 +107,7 @@ def carry(
     names = _names(runs)
     if law or base or no_base:
         names = [f"{law or 'certified'}-{'none' if no_base else base or 'omni'}"]
-    _run("carry", names, out, parallel, film, robot, router, links)
+    _run("carry", names, out, parallel, film, robot, router, links, view, as_json)
 
 
 def _names(runs: str) -> list[str]:
@@ -103,6 +123,8 @@ def _run(
     robot: str,
     router: str,
     links: str | None,
+    view: bool,
+    as_json: bool,
 ) -> None:
     """Plays the runs of these names, all that are usual if there are none, and writes their report."""
     experiment = EXPERIMENTS[name]
@@ -110,15 +132,20 @@ def _run(
         runs = experiment.chosen(names)
     except ValueError as problem:
         refuse(str(problem))
-    check_port(router, robot)
     folder = out or Path("runs") / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
+    need({EXPERIMENT.name, *STACK, *(service for run in runs for service in run.further)})
+    check_place("--out", folder, SPACE * len(runs))
+    check_port(router, robot)
     folder.mkdir(parents=True, exist_ok=True)
     stop = stop_event()
-    console = Console()
+    # Standard output is the document's alone.
+    console = Console(stderr=as_json)
+    if (busy := machine.load()).state != "ok":
+        typer.echo(f"tandem: {busy.said}: {busy.remedy}. It goes on", err=True)
     console.print(
         f"{name} experiment: {len(runs)} runs of {experiment.duration:.0f} s in real time, {parallel} at a time"
     )
-    studio = Studio(folder / experiment.shown(runs).name if film else None)
+    studio = Studio([folder / run.name for run in experiment.shown(runs)] if film else [])
     with Children() as children:
 
         def lane(number: int, run: Run) -> Lane:
@@ -127,10 +154,15 @@ def _run(
             return Lane(name, run, plan, folder / run.name, children)
 
         start_router(children, router, folder)
-        with Progress([run.title for run in runs], experiment.duration) as progress:
+        # The robot of the first runs, and of all where one follows the other.
+        page = Page(view, robot, router, children, folder / f"{VIEWER.name}.log")
+        if page.said:
+            console.print(Text(page.said), soft_wrap=True)
+        with Progress([run.title for run in runs], experiment.duration, console) as progress:
             failures = _play(runs, lane, parallel, progress, stop, studio)
-    studio.start_if_recorded()
-    console.print("waiting for the film, then judging and drawing" if studio.busy else "judging and drawing")
+    studio.start_if_recorded(over=True)
+    doing = "waiting for the film, then judging and drawing" if studio.busy else "judging and drawing"
+    say(console, f"{doing}; it takes about a minute, and Ctrl-C ends it: the recordings stay")
     while studio.busy and not stop.wait(POLL):
         pass
     commands = [f"tandem {' '.join(sys.argv[1:])}"]
@@ -144,8 +176,8 @@ def _run(
     if stop.is_set():
         refuse(f"interrupted; what was recorded lies in {folder}", INTERRUPTED)
     for line in [*failures, *studio.problems()]:
-        console.print(f"failed: {line}", style="red", highlight=False, soft_wrap=True)
-    _conclude(console, folder, report, failures)
+        say(console, Text(f"failed: {line}", style="red"))
+    _conclude(console, folder, report, failures, as_json)
 
 
 def _play(
@@ -178,21 +210,22 @@ def _play(
 
 
 class Studio:
-    """Renders the film of one run while others still go on, once there is a core to spare.
+    """Renders the film while runs that it does not show still go on, once there is a core to spare.
 
     Args:
-        folder: of the run to show; None for no film.
+        folders: of the runs to show, the first one of which the film is made first; empty for no film.
     """
 
-    def __init__(self, folder: Path | None) -> None:
-        self._folder = folder
+    def __init__(self, folders: Sequence[Path]) -> None:
+        self._folders = folders
         self._work: Background[Path] | None = None
 
-    def start_if_recorded(self) -> None:
-        """Starts rendering as soon as the run is recorded; once only."""
-        if self._folder is not None and self._work is None and (self._folder / RECORDING).exists():
-            log = self._folder / "film.log"
-            self._work = Background(experiments.film, self._folder, log=log, patience=FILM_WITHIN)
+    def start_if_recorded(self, over: bool = False) -> None:
+        """Starts rendering as soon as the runs are recorded, once only; of the first one alone if all is over."""
+        shown = self._folders[: 1 if over else None]
+        if shown and self._work is None and all((folder / RECORDING).exists() for folder in shown):
+            log = shown[0] / "film.log"
+            self._work = Background(experiments.film, shown[0], log=log, patience=FILM_WITHIN)
 
     @property
     def busy(self) -> bool:
@@ -209,43 +242,50 @@ class Studio:
         return []
 
 
-def _conclude(console: Console, folder: Path, work: Background[Report], failures: list[str]) -> None:
+def _conclude(
+    console: Console, folder: Path, work: Background[Report], failures: list[str], as_json: bool = False
+) -> None:
     try:
         report = work.result()
     except NoResult as problem:
         refuse(f"no report: {problem}; recordings and logs are in {folder}", 1)
-    console.print(_claims(report.claims))
+    status = 1 if failures else report.status
+    if as_json:
+        judged = json.loads(report.summary.read_text(encoding="utf-8"))
+        show_json({"report": str(report.index), "failed": failures, **judged, "status": status})
+        raise typer.Exit(status)
+    console.print(_claims(report))
     for figures in report.tables[:1]:
         console.print(figures_table(figures))
     for line in report.problems:
-        console.print(f"note: {line}", highlight=False)
-    failed = sum(not claim.passed for claim in report.claims) + len(failures)
-    count = len(report.claims)
-    verdict = f"{failed} of {count} claims fail" if failed else f"all {count} claims hold"
-    console.print(verdict, style="bold red" if failed else "bold green", highlight=False)
-    console.print(f"report: {report.index}", highlight=False, soft_wrap=True)
-    if failed:
-        raise typer.Exit(1)
+        say(console, f"note: {line}")
+    unfinished = f"runs not completed: {len(failures)}; " if failures else ""
+    style = {0: "bold green", 1: "bold red"}.get(status, "bold yellow")
+    console.print(Text(f"{unfinished}{report.verdict}", style=style))
+    say(console, f"report: {report.index}")
+    if status:
+        raise typer.Exit(status)
 
 
-def _claims(claims: Sequence[Claim]) -> Table:
-    """Claims under a heading per run: claim, figure, limit, pass or fail."""
-    shown, last = table("claim", "measured", "required", ""), None
-    for claim in claims:
+MARKS = {"pass": ("pass", "green"), "fail": ("FAIL", "bold red"), "not judged": ("not judged", "yellow")}
+
+
+def _claims(report: Report) -> Listing:
+    """Claims under a heading per run: claim, figure, limit, and how it stands."""
+    shown, last = Listing("claim", "measured", "required", ""), None
+    for claim in report.claims:
         if claim.run != last:
-            shown.add_row(*([] if last is None else [""]))
-            shown.add_row(Text(claim.run, style="bold"))
+            shown.add(*([] if last is None else [""]))
+            shown.add(Text(claim.run, style="bold"))
             last = claim.run
-        mark = Text("pass", style="green") if claim.passed else Text("FAIL", style="bold red")
-        shown.add_row(Text(f"  {claim.short}"), claim.figure, claim.limit, mark)
+        shown.add(f"  {claim.short}", claim.figure, claim.limit, Text(*MARKS[report.standing(claim)]))
     return shown
 
 
-def figures_table(found: Figures) -> Table:
+def figures_table(found: Figures) -> Listing:
     """A table of figures: names left, figures right."""
     first, *others = found.head
-    columns = (first, *(f"{name}>" for name in others))
-    shown = table(*columns, vertical="bottom", title=f"\n{found.title}", title_justify="left")
+    shown = Listing(first, *(f"{name}>" for name in others), title=f"\n{found.title}", foot=True)
     for row in found.rows:
-        shown.add_row(*row)
+        shown.add(*row)
     return shown

@@ -6,26 +6,29 @@ import time
 
 import typer
 from rich.console import Console
+from rich.text import Text
 
-from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, open_bus
+from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, AsJson, Connect, Robot, open_bus
 from services.cli.health import diagnose
-from services.cli.health.diagnose import control_line, robot_line, task_line
-from services.cli.health.view import details, services_table, summary
+from services.cli.health.diagnose import Row, control_line, robot_line, task_line
+from services.cli.health.view import details, document, services_table, summary
 from services.cli.health.watch import Watch
+from services.cli.listing import say, show_json
 from services.cli.stack.plan import remembered
 from shared import topics
+from shared.messages import ExternalWrench
 from shared.processes import STACK
 
 LISTEN = 1.2  # [s]: two health periods and a bit; less when everybody has spoken
 
 
-def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) -> None:
+def status(as_json: AsJson = False, robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) -> None:
     """Show every service once; exit status 1 if something is wrong."""
     known = remembered(robot, connect)
     console = Console()
     with open_bus(robot, connect) as bus:
         watch = Watch(bus)
-        expected = STACK if known is None else known.services
+        expected = STACK if known is None else known.expected
         shown = watch.living().union(expected)
         deadline = time.monotonic() + LISTEN
         while time.monotonic() < deadline and not watch.complete(shown):
@@ -37,30 +40,37 @@ def status(robot: Robot = DEFAULT_ROBOT, connect: Connect = DEFAULT_ENDPOINT) ->
         rows = diagnose.rows(living, heard, expected)
         if known is None:
             rows = [row if row.service in living | set(heard) else diagnose.never_seen(row.service) for row in rows]
-        console.print(f"robot {robot} on {connect}", style="bold", highlight=False)
-        console.print(services_table(rows, {}))
-        for line in details([row for row in rows if row.ok]):
-            console.print(line, soft_wrap=True)
-        for line in summary(watch):
-            console.print(line, soft_wrap=True)
-        robot_text, robot_ok = robot_line(watch.message(topics.STATE_ROBOT))
-        control_text, control_ok = control_line(watch.message(topics.CONTROL_STATUS))
-        task, trouble = watch.message(topics.TASK_STATUS), watch.trouble()
+        wrong = _wrong(rows, watch)
+        if as_json:
+            show_json({"robot": robot, "endpoint": connect, **document(rows, watch, wrong)})
+        else:
+            say(console, Text(f"robot {robot} on {connect}", style="bold"))
+            console.print(services_table(rows, {}))
+            for line in (*details([row for row in rows if row.ok]), *summary(watch)):
+                say(console, line)
+            console.print()
+            for reason in wrong:
+                say(console, Text(f"wrong: {reason}", style="red"))
+            if not wrong:
+                say(console, _fine(watch.message(topics.WRENCH_EXTERNAL)))
+    if wrong:
+        raise typer.Exit(1)
+
+
+def _wrong(rows: list[Row], watch: Watch) -> list[str]:
+    """What is wrong, and what to do about it."""
+    task = watch.message(topics.TASK_STATUS)
     wrong = [f"{row.service} is {row.state}: {row.detail}" for row in rows if not row.ok]
     # What a service has said of a topic already is not said twice.
-    wrong += [text for key, text in trouble.items() if not any(key in told for told in wrong)]
+    wrong += [text for key, text in watch.trouble().items() if not any(key in told for told in wrong)]
     if not wrong:
-        told = [(robot_text, robot_ok), (control_text, control_ok), *([task_line(task)] if task else [])]
-        wrong += [text for text, ok in told if not ok]
-    console.print()
-    if not wrong:
-        wrench = watch.message(topics.WRENCH_EXTERNAL)
-        if wrench is not None and wrench.zero_age is not None and wrench.zero_age < 0.0:
-            bound = max(wrench.error_bound[:3])
-            console.print(f"everything works, but the sensor has no zero of this run (+-{bound:.1f} N): `tandem tare`")
-        else:
-            console.print("everything works", style="green")
-        return
-    for reason in wrong:
-        console.print(f"wrong: {reason}", style="red", highlight=False, soft_wrap=True)
-    raise typer.Exit(1)
+        states = (robot_line(watch.message(topics.STATE_ROBOT)), control_line(watch.message(topics.CONTROL_STATUS)))
+        wrong += [text for text, ok in (*states, *([task_line(task)] if task else [])) if not ok]
+    return wrong
+
+
+def _fine(wrench: ExternalWrench | None) -> Text:
+    if wrench is not None and wrench.zero_age is not None and wrench.zero_age < 0.0:
+        bound = max(wrench.error_bound[:3])
+        return Text(f"everything works, but the sensor has no zero of this run (+-{bound:.1f} N): `tandem tare`")
+    return Text("everything works", style="green")

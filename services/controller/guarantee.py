@@ -20,6 +20,19 @@ nearly the largest of the benchmark's steady pulls (docs/guarantee.md, "A moving
 _ROUNDS = 20
 """Iterations of a speed whose turning widens the bound that it follows from; it settles after a few."""
 _UNITS = (("mm/s", "N"), ("mrad/s", "Nm"))
+UNITS = {
+    "limit": "N, Nm",
+    "error_bound": "N, Nm",
+    "horizon": "s",
+    "environment_speed": "m/s",
+    "axes.speed": "m/s, rad/s",
+    "axes.excess": "N, Nm",
+    "moving.factor": "1",
+    "moving.response": "s",
+    "moving.acceleration": "m/s2, rad/s2",
+    "moving.stiffness": "N/m, N/rad, Nm/m, Nm/rad",
+}
+"""Of the numbers in the map for programs: of forces first, of torques behind the comma."""
 _PARALLEL = np.eye(3)
 
 
@@ -126,6 +139,7 @@ def as_map(
     """
     found = certificates(parameters, limit, error_bound, environment_speed)
     return {
+        "units": UNITS,
         "form": _form(parameters),
         "limit": limit.tolist(),
         "error_bound": error_bound.tolist(),
@@ -141,42 +155,56 @@ def as_map(
     }
 
 
-def as_text(parameters: ControllerParameters, limit: Array, error_bound: Array, environment_speed: float = 0.1) -> str:
-    """The certificates for a person, as a table of several lines; arguments and errors as of ``certificates``."""
+@dataclass(frozen=True)
+class Statement:
+    """The certificates for a person: sentences, a table with its head, sentences below it."""
+
+    before: tuple[str, ...]
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    after: tuple[str, ...]
+
+
+def as_words(
+    parameters: ControllerParameters, limit: Array, error_bound: Array, environment_speed: float = 0.1
+) -> Statement:
+    """The certificates for a person; arguments and errors as of ``certificates``."""
     found = certificates(parameters, limit, error_bound, environment_speed)
-    lines = [
+    before = [
         f"certified law, {_form(parameters)}; T {parameters.period * 1e3:g} ms, d {parameters.delay * 1e3:g} ms, "
         f"tau {parameters.lag * 1e3:g} ms: a command has acted {parameters.horizon * 1e3:g} ms after its sample"
     ]
     for zone in parameters.contact_zones:
         reach = ", ".join(f"{length:g}" for length in zone.reach)
-        lines.append(
+        before.append(
             f"contacts up to {zone.stiffness:g} N/m within ({reach}) m of the tool, friction {zone.friction:g}"
         )
-    lines += [
-        "While environment and base are at rest, no limit is exceeded: from first touch on, between samples too.",
-        "",
-        f"{'axis':<9} {'limit':>9} {'error':>9}   {'certified approach':<20} {'limited by':<34} "
-        f"excess at {environment_speed:g} m/s",
-    ]
+    before.append(
+        "While environment and base are at rest, no limit is exceeded: from first touch on, between samples too."
+    )
+    rows = []
     for index, one in enumerate(found):
         speed_unit, unit = _UNITS[index // 3]
-        speed = f"{one.speed * 1e3:.3g} {speed_unit}"
         share = one.excess / limit[index]
-        lines.append(
-            f"{one.axis:<9} {limit[index]:>6g} {unit:<2} {error_bound[index]:>6g} {unit:<2}   {speed:<20} "
-            f"{one.limited_by:<34} {one.excess:.3g} {unit} ({share:.0%} of the limit)"
+        row = (
+            one.axis,
+            f"{limit[index]:g} {unit}",
+            f"{error_bound[index]:g} {unit}",
+            f"{one.speed * 1e3:.3g} {speed_unit}",
+            one.limited_by,
+            f"{one.excess:.3g} {unit} ({share:.0%} of the limit)",
         )
+        rows.append(row)
     timing = {"period T": parameters.period, "delay d": parameters.delay, "lag tau": parameters.lag}
     name, longest = max(timing.items(), key=lambda item: item[1])
-    lines += [
-        "",
+    after = (
         f"Speeds scale with 1/(stiffness x {parameters.horizon * 1e3:g} ms); the largest share of the time is the "
         f"{name} ({longest / parameters.horizon:.0%}).",
         f"Excess, measured and not proven: {MOVING_FACTOR:g} x stiffness x speed of the environment x (response time + "
         "time to speed up), beyond the limit, until the tool moves with it.",
-    ]
-    return "\n".join(lines)
+    )
+    head = ("axis", "limit", "error", "certified approach", "limited by", f"excess at {environment_speed:g} m/s")
+    return Statement(tuple(before), head, tuple(rows), after)
 
 
 def _form(parameters: ControllerParameters) -> str:

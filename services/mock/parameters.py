@@ -15,6 +15,7 @@ class MockParameters(Parameters):
     pose_rate: float = parameter(1000.0, "Hz", 20.0, 1000.0, "of state/ee, at most rate")
     steps: int = parameter(1, "", 1, 100, "steps of the gate per sample of sensor/ft")
     base_type: Literal["differential", "omni"] = option("differential", "kind of mobile base")
+    require_enable: bool = option(False, "the gate moves nothing but while `operator/enable` is pressed")
     max_linear: float = parameter(0.5, "m/s", 0.01, 2.0, "largest speed of the tool's origin")
     max_angular: float = parameter(1.0, "rad/s", 0.01, 3.0, "largest turning rate of the tool")
     position: Vector3 = option((0.5, -0.3, 1.0), "of the tool at the start, in base", unit="m")

@@ -32,6 +32,7 @@ class MockRobot(Service[MockParameters]):
             base=tiago.BASES[parameters.base_type],
             gripper=tiago.GRIPPER_RANGES,
             head=tiago.HEAD_RANGES,
+            require_enable=parameters.require_enable,
         )
         self.motors = Motors(parameters)
         self.sensors = Sensors(parameters, self.motors)

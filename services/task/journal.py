@@ -142,14 +142,34 @@ class Journal:
             if entry is None:
                 ours.unlink(missing_ok=True)
             else:
-                entry = entry.replaced(written=now, boot=self._boot)
-                write_whole(ours, json.dumps({"version": _VERSION, **entry.to_plain()}))
+                write_whole(ours, self._text(entry, now))
             self.problem = ""
             if self._alone != session:
                 self._leave_alone(session)
         except OSError as problem:
             text = f"cannot write {ours} ({problem.strerror})"
             self.problem = f"{text}: a restart would not know of the carry"
+
+    def texts(self, session: int | None, entry: JournalEntry | None, now: float) -> dict[str, str]:
+        """By name each file that a new start would find, if this entry were written now.
+
+        Args:
+            session: of the robot process; None as long as the task has not begun, and what is there counts.
+            entry: None while nothing is held.
+            now: steady clock [s].
+        """
+        if session is not None:
+            return {} if entry is None else {self._path(session).name: self._text(entry, now)}
+        found = {}
+        with suppress(*_UNREADABLE):
+            for path in self._files(0):
+                with path.open(encoding="utf-8") as file:
+                    found[path.name] = file.read(_LONGEST + 1)
+        return found
+
+    def _text(self, entry: JournalEntry, now: float) -> str:
+        plain = entry.replaced(written=now, boot=self._boot).to_plain()
+        return json.dumps({"version": _VERSION, **plain})
 
     def _leave_alone(self, session: int) -> None:
         """Remove what is not of this session; once is enough, since nobody else writes here."""

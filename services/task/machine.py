@@ -146,6 +146,7 @@ class StateMachine(Commands):
         if self._waited >= limit:
             self._cause = fault
             return Decision(fault.sentence, self._rest, self._nominal(), after=State.HOLDING)
+        self._fade_if_loose(dt)
         head = None
         if self.state is State.CALIBRATING:
             head = (self._settings.head_pan, self._settings.head_tilt)
@@ -179,9 +180,7 @@ class StateMachine(Commands):
             return Decision(self.reason)
         if self.state is State.HOLDING:
             self._rest = self._rest or seen.tool
-            if carry is not None and self._loose:
-                # The limits must not be centred on a weight that the tool does not carry any more.
-                carry.nominal.fade(dt)
+            self._fade_if_loose(dt)
             return Decision(self._why_held(), self._rest, self._nominal())
         if self.state in _APPROACHES:
             assert approach is not None
@@ -255,6 +254,11 @@ class StateMachine(Commands):
     @property
     def _loose(self) -> TaskFault | None:
         return next((fault for fault in self._faults if fault.kind is Impairment.LOOSE), None)
+
+    def _fade_if_loose(self, dt: float) -> None:
+        """The limits must not be centred on a weight that the tool does not carry any more."""
+        if self._carry is not None and self._loose:
+            self._carry.nominal.fade(dt)
 
     def _nominal(self) -> float:
         return self._carry.nominal.force if self._carry and self.fingers.hold else 0.0

@@ -24,6 +24,7 @@ from shared.schema.records import Record
 from shared.service import Inputs, Output, Reply, Service, Wiring
 
 PERIOD = 0.02  # [s] of a step: the loops of level assist and nominal wrench change within tenths of seconds
+JOURNALS = "task"  # folder of the journals, in that of a robot
 _JOURNAL_EVERY = 1.0  # [s] between two entries, besides those at each change of state
 _LOOKING = (State.SEARCHING, State.APPROACHING)
 """States that need the marker; in all others no image is looked at."""
@@ -64,7 +65,8 @@ class Task(Service[TaskParameters]):
         )
         self._now = now
         self._boot = boot_id()
-        self._journal = Journal(folder / "task" if folder else None, self._boot)
+        self._folder = folder
+        self._journal = Journal(folder / JOURNALS if folder else None, self._boot)
         self._lost = Sustained(SLIPPED_AFTER)
         self.machine = StateMachine(parameters)
         self._observer = Observer(parameters)
@@ -118,6 +120,14 @@ class Task(Service[TaskParameters]):
             Refused: always.
         """
         raise Refused("the task's parameters are set at its start")
+
+    def files(self) -> dict[str, str]:
+        """The journal."""
+        if self._folder is None:
+            return {}
+        session = self._session if self.machine.ready else None
+        texts = self._journal.texts(session, self.machine.entry(self._outbox.target), self._now())
+        return {f"{JOURNALS}/{name}": text for name, text in texts.items()}
 
     def notes(self) -> str:
         """What is wrong with what the task works with; else why a restart would not know of the carry, if so."""

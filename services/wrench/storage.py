@@ -19,7 +19,16 @@ from shared.parameters import Refused
 from shared.schema.fields import Integer, InvalidField, Text
 from shared.schema.records import Nullable, Record, RecordOf, of
 
+JOURNAL, PAYLOAD = "wrench.json", "payload.toml"
+"""Their names in the folder of a robot."""
 _ENTRIES = 8  # runs of the robot process of which the journal is kept
+
+
+def payload_text(result: IdentifiedPayload) -> str:
+    """An identified payload as TOML."""
+    lines = ["# Weight beyond the force-torque sensor and the sensor's bias: SI units, sensor axes."]
+    lines += [f"{name} = {value}" for name, value in result.to_plain().items()]
+    return "\n".join(lines) + "\n"
 
 
 def save_payload(path: Path, result: IdentifiedPayload) -> None:
@@ -28,10 +37,8 @@ def save_payload(path: Path, result: IdentifiedPayload) -> None:
     Raises:
         Refused: if the file cannot be written.
     """
-    lines = ["# Weight beyond the force-torque sensor and the sensor's bias: SI units, sensor axes."]
-    lines += [f"{name} = {value}" for name, value in result.to_plain().items()]
     try:
-        write_whole(path, "\n".join(lines) + "\n")
+        write_whole(path, payload_text(result))
     except OSError as problem:
         raise Refused(f"cannot write the payload to {path}: {problem.strerror}") from None
 
@@ -101,6 +108,12 @@ class Journal:
         except OSError as problem:
             text = f"cannot write {self._path} ({problem.strerror})"
             self.problem = f"{text}: a restart will have to tare again"
+
+    def text(self, session: int | None, entry: JournalEntry) -> str:
+        """The file as it would be if this entry were the only one; before a session is known, as it is."""
+        if session is not None:
+            return json.dumps({str(session): entry.to_plain()})
+        return json.dumps(self._entries())
 
     def recall(self, session: int, payload: str) -> JournalEntry | None:
         """What was in force for this run of the robot process under this configuration, or None.

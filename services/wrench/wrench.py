@@ -15,7 +15,7 @@ from services.wrench.measurements import Measurements, described
 from services.wrench.parameters import WrenchParameters
 from services.wrench.plausibility import Declared, Former, forced, lightest, payload_doubt, refusal, tare_doubt
 from services.wrench.sensor_watch import INVALID, SILENT, SensorWatch
-from services.wrench.storage import Journal, JournalEntry, load_payload, save_payload
+from services.wrench.storage import JOURNAL, PAYLOAD, Journal, JournalEntry, load_payload, payload_text, save_payload
 from services.wrench.zero import Zero
 from shared import topics
 from shared.faults import Fault, FaultKind
@@ -55,7 +55,7 @@ class Wrench(Service[WrenchParameters]):
         super().__init__(parameters)
         self._configured(parameters, reload=True)
         self._folder = folder
-        self._journal = Journal(folder / "wrench.json" if folder else None)
+        self._journal = Journal(folder / JOURNAL if folder else None)
         self._watch = SensorWatch()
         self._lowpass = LowPass()
         self._measurements = Measurements(self._tared)
@@ -162,6 +162,11 @@ class Wrench(Service[WrenchParameters]):
         if another:
             self._adopt(self.compensation, None)
 
+    def files(self) -> dict[str, str]:
+        """The payload's file, and the journal of the present compensation."""
+        payload = {PAYLOAD: payload_text(self._configured_payload)} if self._configured_payload else {}
+        return {JOURNAL: self._journal.text(self._session, self._entry()), **payload}
+
     def notes(self) -> str:
         """What a person should know of sensor, zero and files although the service works."""
         zero = self.compensation.warning and f"the zero was adopted by force: {self.compensation.warning}"
@@ -220,8 +225,8 @@ class Wrench(Service[WrenchParameters]):
 
     def _configured(self, parameters: WrenchParameters, reload: bool) -> None:
         if reload:
-            path = parameters.payload
-            self.compensation = load_payload(Path(path)).compensation() if path else Compensation()
+            found = self._configured_payload = load_payload(Path(parameters.payload)) if parameters.payload else None
+            self.compensation = found.compensation() if found else Compensation()
         self._noise_bound: Array = np.array(parameters.noise_bound)
         self._bias_bound: Array = np.array(parameters.bias_bound)
         self._zero_drift: Array = np.array(parameters.zero_drift)
@@ -278,17 +283,18 @@ class Wrench(Service[WrenchParameters]):
 
     def _record(self) -> None:
         if self._session is not None:
-            entry = JournalEntry(self.parameters.payload, self.compensation, self._zero.since)
-            self._journal.record(self._session, entry)
+            self._journal.record(self._session, self._entry())
+
+    def _entry(self) -> JournalEntry:
+        return JournalEntry(self.parameters.payload, self.compensation, self._zero.since)
 
     def _saved(self, result: IdentifiedPayload) -> str:
         """Where the result was written, empty if it could not be: it is in force all the same."""
-        path = self.parameters.payload or (self._folder and self._folder / "payload.toml")
-        if not path:
-            return ""
-        try:
-            save_payload(Path(path), result)
-        except Refused as problem:
-            self._journal.problem = str(problem)
-            return ""
-        return str(path)
+        path = self.parameters.payload or (self._folder and self._folder / PAYLOAD)
+        if path:
+            try:
+                save_payload(Path(path), result)
+                return str(path)
+            except Refused as problem:
+                self._journal.problem = str(problem)
+        return ""

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
-from services.cli.common import table
 from services.cli.health.diagnose import Row, control_line, robot_line, task_line
 from services.cli.health.watch import Watch
+from services.cli.listing import Listing
 from services.cli.stack.children import Child
 from shared import topics
 from shared.clock import in_words
 from shared.messages import ControlStatus, ExternalWrench
+from shared.schema.records import Record
 from shared.topics import Topic
 
 SHOWN_RATES: tuple[Topic, ...] = (
@@ -26,10 +27,10 @@ SHOWN_RATES: tuple[Topic, ...] = (
 )
 
 
-def services_table(rows: list[Row], processes: Mapping[str, Child]) -> Table:
+def services_table(rows: list[Row], processes: Mapping[str, Child]) -> Listing:
     """One line per service: process, health, loop."""
     columns = ("service", *(["process"] if processes else []), "state", "loop>", "p50>", "p99>", "overruns>")
-    shown = table(*columns)
+    shown = Listing(*columns)
     for row in rows:
         child = processes.get(row.service)
         cells = [Text(row.service, style="bold")]
@@ -46,7 +47,7 @@ def services_table(rows: list[Row], processes: Mapping[str, Child]) -> Table:
                 Text(f"{health.loop_p99_us:.0f} µs"),
                 Text(str(health.overruns)),
             ]
-        shown.add_row(*cells)
+        shown.add(*cells)
     return shown
 
 
@@ -97,6 +98,33 @@ def _zero(wrench: ExternalWrench) -> str:
     age, bound = wrench.zero_age, wrench.error_bound
     told = "" if age is None else ", no zero of this run" if age < 0.0 else f", zero {in_words(age)} old"
     return f"{told}, bound {bound[:3].max():.1f} N, {bound[3:].max():.2f} Nm"
+
+
+def document(rows: list[Row], watch: Watch, wrong: list[str]) -> dict[str, Any]:
+    """The same for programs; what is not heard, or older than a second, is null."""
+    messages = {
+        "gate": watch.message(topics.STATE_ROBOT),
+        "controller": watch.message(topics.CONTROL_STATUS),
+        "task": watch.message(topics.TASK_STATUS),
+        "load": watch.message(topics.WRENCH_EXTERNAL),
+    }
+    return {
+        "good": not wrong,
+        "wrong": wrong,
+        "services": [_service(row) for row in rows],
+        **{name: message.to_plain() if message else None for name, message in messages.items()},
+        "units": {name: _units(message) for name, message in messages.items() if message},
+        "rates_hz": {topic.key: watch.rate(topic) for topic in SHOWN_RATES},
+    }
+
+
+def _service(row: Row) -> dict[str, Any]:
+    loop = {name: getattr(row.health, name, None) for name in ("loop_hz", "loop_p50_us", "loop_p99_us", "overruns")}
+    return {"service": row.service, "state": row.state, "ok": row.ok, "detail": row.detail, **loop}
+
+
+def _units(message: Record) -> dict[str, str]:
+    return {name: kind.unit for name, kind, _ in message.kinds() if kind.unit}
 
 
 def stack_view(rows: list[Row], watch: Watch, processes: Mapping[str, Child], head: str) -> RenderableType:

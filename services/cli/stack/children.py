@@ -13,19 +13,11 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 
+from shared.loop.tether import tethered
 from shared.processes import process_named
 
 KEPT_LINES = 200  # of a process's output, for whoever asks how it ended
 STOP_PATIENCE = 3.0  # [s] after SIGTERM, before SIGKILL; every service promises 2 s
-_DIE_WITH_PARENT = """
-import ctypes, os, signal, sys
-if sys.platform == "linux":
-    ctypes.CDLL(None).prctl(1, signal.SIGTERM)
-if os.getppid() == int(sys.argv[1]):
-    os.execv(sys.executable, [sys.executable, *sys.argv[2:]])
-"""
-"""Runs in the child before the service: PR_SET_PDEATHSIG has the kernel send it SIGTERM when this command is gone,
-even by SIGKILL. Not a preexec_fn, which may deadlock in a process that has threads."""
 
 
 class Child:
@@ -46,7 +38,7 @@ class Child:
         self._on_line = on_line
         module = process_named(name).module
         self._process = subprocess.Popen(
-            [sys.executable, "-S", "-c", _DIE_WITH_PARENT, str(os.getpid()), "-m", module, *arguments],
+            tethered([sys.executable, "-m", module, *arguments]),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

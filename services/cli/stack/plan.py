@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-import json
-import os
-import socket
-import tempfile
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from services.cli import memory
 from services.cli.common import refuse
+from services.cli.ports import taken
 from shared.loop.config import config_text, service_assignment
-from shared.processes import FURTHER, STACK, process_named
+from shared.processes import FURTHER, PROCESSES, SIM, STACK, process_named
+from shared.topics import ROBOT
 from shared.wire.endpoint import DEFAULT_ENDPOINT, BusError
 from shared.wire.links import usual_links
 from shared.wire.zenoh import ZenohBus
 
 STARTABLE = (*STACK, *FURTHER)
 """Services that a stack may have besides its router."""
+IN_ITS_PLACE = tuple(process.name for process in PROCESSES if process.publisher == ROBOT and process is not SIM)
+"""Processes that a stack may have for a robot in place of the simulation."""
 
 
 @dataclass(frozen=True)
@@ -33,11 +34,17 @@ class Plan:
     settings: dict[str, list[str]] = field(default_factory=dict)
     further: tuple[str, ...] = ()
     links: str | None = None
+    robot_process: str = SIM.name
 
     @property
     def services(self) -> tuple[str, ...]:
-        """All services of the stack."""
-        return (*STACK, *self.further)
+        """Processes of all services of the stack."""
+        return (*(self.robot_process if name == SIM.name else name for name in STACK), *self.further)
+
+    @property
+    def expected(self) -> tuple[str, ...]:
+        """Names by which they are known to each other."""
+        return tuple(process_named(name).known_as for name in self.services)
 
     def arguments(self, name: str) -> list[str]:
         """Command line of the router or one service; KeyError if there is none of that name."""
@@ -50,30 +57,29 @@ class Plan:
         return arguments + [part for setting in self.settings.get(name, []) for part in ("--set", setting)]
 
     def remember(self) -> None:
-        """Writes the options down, so that `tandem start` and `tandem status` know them."""
-        path = _memory(self.robot, self.endpoint)
-        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        stored = {
+        """Writes the options down, so that the commands that speak to the stack know them."""
+        options = {
             "config": str(self.config.resolve()) if self.config else None,
             "settings": self.settings,
             "further": self.further,
             "links": self.links,
+            "robot_process": self.robot_process,
         }
-        path.write_text(json.dumps(stored), encoding="utf-8")
+        memory.keep(self.robot, self.endpoint, options)
 
     def forget(self) -> None:
         """Removes what `remember` wrote."""
-        _memory(self.robot, self.endpoint).unlink(missing_ok=True)
+        memory.forget(self.robot, self.endpoint)
 
 
 def remembered(robot: str, endpoint: str) -> Plan | None:
     """The plan of the stack that runs there, if `tandem up` or `tandem run` started it."""
-    try:
-        stored = json.loads(_memory(robot, endpoint).read_text(encoding="utf-8"))
-    except (FileNotFoundError, json.JSONDecodeError):
+    kept = memory.kept(robot, endpoint)
+    if kept is None:
         return None
-    config = Path(stored["config"]) if stored["config"] else None
-    return Plan(robot, endpoint, config, stored["settings"], tuple(stored.get("further", ())), stored.get("links"))
+    config = Path(kept["config"]) if kept["config"] else None
+    further, robot_process = tuple(kept.get("further", ())), kept.get("robot_process", SIM.name)
+    return Plan(robot, endpoint, config, kept["settings"], further, kept.get("links"), robot_process)
 
 
 def parse_settings(settings: Sequence[str]) -> dict[str, list[str]]:
@@ -84,8 +90,9 @@ def parse_settings(settings: Sequence[str]) -> dict[str, list[str]]:
             service, key, value = service_assignment(setting)
         except ValueError:
             refuse(f"--set {setting!r}: wanted SERVICE.NAME=VALUE, such as --set 'controller.law=\"paper\"'")
-        if service not in STARTABLE:
-            refuse(f"--set {setting!r}: {service!r} is no service of the stack; choose from {', '.join(STARTABLE)}")
+        if service not in (*STARTABLE, *IN_ITS_PLACE):
+            known = ", ".join((*STARTABLE, *IN_ITS_PLACE))
+            refuse(f"--set {setting!r}: {service!r} is no service of the stack; choose from {known}")
         table.setdefault(service, []).append(f"{key}={value}")
     return table
 
@@ -96,6 +103,13 @@ def check_further(services: Sequence[str]) -> tuple[str, ...]:
         if service not in FURTHER:
             refuse(f"--with {service!r}: choose from {', '.join(FURTHER)}")
     return tuple(dict.fromkeys(services))
+
+
+def check_bridge(name: str) -> str:
+    """The process that stands for the robot, if a stack can have it; the simulation if none is named."""
+    if name and name not in IN_ITS_PLACE:
+        refuse(f"--bridge {name!r}: choose from {', '.join(IN_ITS_PLACE)}")
+    return name or SIM.name
 
 
 def check_config(path: Path | None) -> Path | None:
@@ -123,23 +137,19 @@ def check_port(endpoint: str, robot: str) -> None:
     protocol, _, address = endpoint.partition("/")
     host, _, port = address.rpartition(":")
     if protocol != "tcp" or not port.isdigit() or not 0 < int(port) < 65536:
-        refuse(f"--router {endpoint}: wanted tcp/HOST:PORT, such as {DEFAULT_ENDPOINT}")
-    with socket.socket() as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((host, int(port)))
-        except OSError as problem:
-            there = ", ".join(sorted(_living(endpoint, robot)))
-            first = (
-                f"{there} of robot {robot} run there. To take over, end that stack first (Ctrl-C where it runs)."
-                if there
-                else "is another program running there?"
-            )
-            refuse(
-                f"port {port} on {host} cannot be used ({problem.strerror}): {first} "
-                f"Or choose another one: --router tcp/127.0.0.1:{int(port) + 1}",
-                status=1,
-            )
+        refuse(f"--connect {endpoint}: wanted tcp/HOST:PORT, such as {DEFAULT_ENDPOINT}")
+    if problem := taken(int(port), host):
+        there = ", ".join(sorted(_living(endpoint, robot)))
+        first = (
+            f"{there} of robot {robot} run there. To take over, end that stack first (Ctrl-C where it runs)."
+            if there
+            else "is another program running there?"
+        )
+        refuse(
+            f"port {port} on {host} cannot be used ({problem.strerror}): {first} "
+            f"Or choose another one: --connect tcp/127.0.0.1:{int(port) + 1}",
+            status=1,
+        )
 
 
 def _living(endpoint: str, robot: str) -> set[str]:
@@ -152,8 +162,3 @@ def _living(endpoint: str, robot: str) -> set[str]:
         return bus.living()
     finally:
         bus.close()
-
-
-def _memory(robot: str, endpoint: str) -> Path:
-    place = "".join(letter if letter.isalnum() else "-" for letter in f"{robot} {endpoint}")
-    return Path(tempfile.gettempdir()) / f"tandem-{os.getuid()}" / f"{place}.json"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import socket
 from pathlib import Path
 
@@ -22,7 +23,7 @@ from tests.support.ports import free_endpoint
         (["up", "--set", "viewer.x=1"], "'viewer' is no service of the stack"),
         (["up", "--with", "sim"], "--with 'sim': choose from base, task"),
         (["up", "--config", "/nowhere.toml"], "--config /nowhere.toml: No such file"),
-        (["up", "--router", "udp/127.0.0.1:1"], "wanted tcp/HOST:PORT"),
+        (["up", "--connect", "udp/127.0.0.1:1"], "wanted tcp/HOST:PORT"),
         (
             ["start", "viewer"],
             "'viewer' is no service of the stack; choose from router, sim, wrench, controller, base, task",
@@ -67,11 +68,31 @@ def test_a_taken_port_is_named_with_another_choice(
         taken.listen()
         port = taken.getsockname()[1]
         out = ["--out", str(tmp_path)] if command[0] == "run" else []
-        done = tandem_here(capsys, *command, "--router", f"tcp/127.0.0.1:{port}", *out)
+        done = tandem_here(capsys, *command, "--connect", f"tcp/127.0.0.1:{port}", *out)
     assert done.returncode == 1
     assert f"port {port} on 127.0.0.1" in done.stderr
-    assert f"--router tcp/127.0.0.1:{port + 1}" in done.stderr
+    assert f"--connect tcp/127.0.0.1:{port + 1}" in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", [("run", "load"), ("record",)], ids=" ".join)
+def test_a_place_that_cannot_be_written_or_is_too_small_is_said_before_anything_runs(
+    command: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "file"
+    file.touch()
+    place = ("--connect", free_endpoint(), "--out")
+    taken = tandem_here(capsys, *command, *place, str(file / "deep"))
+    assert taken.stderr == f"tandem: --out {file}/deep: {file} is no folder; choose another folder\n"
+    monkeypatch.setattr("os.access", lambda path, mode: False)
+    closed = tandem_here(capsys, *command, *place, str(tmp_path / "new" / "deep"))
+    assert f"--out {tmp_path}/new/deep: {tmp_path} cannot be written" in closed.stderr
+    monkeypatch.undo()
+    monkeypatch.setattr("shutil.disk_usage", lambda path: shutil._ntuple_diskusage(10**9, 10**9 - 10**7, 10**7))
+    small = tandem_here(capsys, *command, *place, str(tmp_path / "new" / "deep"))
+    assert ": 10 MB are free there, " in small.stderr
+    assert [done.returncode for done in (taken, closed, small)] == [2, 2, 2]
+    assert list(tmp_path.iterdir()) == [file]
 
 
 @pytest.mark.parametrize("command", [["status"], ["topic", "hz"], ["tare"], ["param", "get", "controller"]])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from services.controller.guarantee import as_map, as_text, certificates
+from services.controller.guarantee import as_map, as_words, certificates
 from services.controller.parameters import ControllerParameters
 from shared.spatial import rotation_from_vector
 
@@ -45,7 +45,9 @@ def test_excess_grows_with_the_environment_s_speed() -> None:
 
 
 def test_text_names_what_limits() -> None:
-    text = as_text(panel(), LIMIT, ERROR)
+    told = as_words(panel(), LIMIT, ERROR)
+    assert all(len(row) == len(told.head) for row in told.rows) and len(told.rows) == 6
+    text = "\n".join((*told.before, *told.head, *(cell for row in told.rows for cell in row), *told.after))
     assert all(part in text for part in ("limit about x", "mm/s", "excess", "strict", "500 N/m", "1.05, 0.3, 0.05"))
 
 

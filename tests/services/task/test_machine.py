@@ -255,3 +255,14 @@ def test_an_arm_that_cannot_give_way_any_further_is_told_with_the_robot_s_reason
     assert "give way" not in play.reason
     play.run(1.0)
     assert play.reason.endswith("the arm cannot give way any further (a joint is at its limit)")
+
+
+def test_what_slipped_out_is_no_weight_to_allow_for_while_something_else_is_waited_for() -> None:
+    play = MachineRig().lifted()
+    play.command("release")
+    play.halted("tool")
+    assert play.decision.nominal < -5.0
+    play.toy.slip()
+    play.run(2.0)
+    assert play.state is State.RELEASING and play.reason.startswith("waiting: the tool's pose is not known")
+    assert play.decision.nominal == 0.0

@@ -62,7 +62,7 @@ def test_whichever_robot_runs_no_other_one_is_missed() -> None:
         ("sim", "tandem start sim"),
         ("mock", "python -m services.mock"),
         ("robot", "no process of this project"),
-        ("viewer", "no process of this project"),
+        ("nobody", "no process of this project"),
     ],
 )
 def test_the_remedy_follows_from_what_the_process_is(name: str, remedy: str) -> None:

@@ -22,7 +22,7 @@ def test_every_service_can_be_started_whether_or_not_it_is_part_of_the_stack() -
     expected = ["--robot", "tiago", "--connect", ENDPOINT, "--links", "sockets", "--set", "mass=20"]
     assert plan.arguments("base") == expected
     with pytest.raises(KeyError):
-        plan.arguments("viewer")
+        plan.arguments("nobody")
 
 
 @pytest.mark.parametrize(
@@ -52,3 +52,15 @@ def test_a_plan_is_remembered_until_it_is_forgotten(monkeypatch: pytest.MonkeyPa
     assert remembered("other", ENDPOINT) is None
     plan.forget()
     assert remembered("tiago", ENDPOINT) is None
+
+
+def test_another_process_stands_for_the_robot(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    plan = Plan("tiago", ENDPOINT, robot_process="mock")
+    assert plan.services == ("mock", *STACK[1:]) and plan.expected == plan.services
+    real = Plan("tiago", ENDPOINT, robot_process="bridge_ros1")
+    assert real.expected == ("robot", *STACK[1:])
+    real.remember()
+    assert remembered("tiago", ENDPOINT) == real
+    real.forget()
+    assert parse_settings(['bridge_ros1.profile="mine.toml"']) == {"bridge_ros1": ['profile="mine.toml"']}

@@ -6,7 +6,9 @@ import json
 import os
 import re
 import signal
+import urllib.request
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -30,7 +32,7 @@ def endpoint() -> str:
 @pytest.fixture(scope="module")
 def stack(endpoint: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Process]:
     output = tmp_path_factory.mktemp("up") / "output"
-    with Process("services.cli", ["up", "--with", "base", "--router", endpoint], output) as process:
+    with Process("services.cli", ["up", "--with", "base", "--connect", endpoint], output) as process:
         # A busy machine makes the simulation degraded: it is alive all the same.
         alive = [re.compile(rf" {name}: (ok|degraded)") for name in ALL]
         eventually(
@@ -45,6 +47,18 @@ def stack(endpoint: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[P
 def test_status_finds_everything_alive(stack: Process, endpoint: str) -> None:
     done = tandem("status", "--connect", endpoint)
     assert all(re.search(rf"^{name} +(ok|degraded)", done.stdout, re.MULTILINE) for name in ALL), done.stdout
+
+
+def test_the_page_is_named_and_shows_this_robot(stack: Process, endpoint: str) -> None:
+    found = re.search(r"see it at (http://127\.0\.0\.1:\d+/)", stack.output)
+    assert found, stack.output
+
+    def robot() -> str:
+        with suppress(OSError), urllib.request.urlopen(f"{found[1]}state") as answer:
+            return str(json.load(answer)["robot"])
+        return ""
+
+    eventually(lambda: robot() == "tiago", PATIENCE, lambda: stack.output)
 
 
 def test_hz_shows_the_rates(stack: Process, endpoint: str) -> None:
@@ -72,8 +86,9 @@ def test_parameters_are_read_set_and_refused(stack: Process, endpoint: str) -> N
 
 def test_the_base_is_part_of_the_stack_if_asked_for(stack: Process, endpoint: str) -> None:
     assert tandem("param", "get", "base.mass", "--connect", endpoint).stdout == "10\n"
-    done = tandem("topic", "echo", "base/status", "--count", "1", "--connect", endpoint)
-    assert '"off"' in done.stdout
+    echo = ("topic", "echo", "base/status", "--count", "1", "--connect", endpoint)
+    # It brakes while a sample is late.
+    eventually(lambda: '"off"' in tandem(*echo).stdout, PATIENCE, "the base is off")
 
 
 def test_the_marker_is_covered_and_uncovered(stack: Process, endpoint: str) -> None:
@@ -147,7 +162,7 @@ def test_a_killed_controller_is_named_and_can_be_started_again(stack: Process, e
 
 
 def test_a_second_stack_on_the_same_port_is_refused(stack: Process, endpoint: str) -> None:
-    done = tandem("up", "--router", endpoint)
+    done = tandem("up", "--connect", endpoint)
     assert done.returncode == 1
     assert "cannot be used" in done.stderr and "sim, wrench of robot tiago run there" in done.stderr
 
