@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from benchmarks.table import Row, missed, show
 
-NAMES = ("solvers", "sim_speed", "load_speed", "chain", "startup")
+NAMES = ("solvers", "sim_speed", "load_speed", "chain", "startup", "bridges")
 """Modules of this package in the order of the table; each offers ``rows(quick: bool) -> list[Row]``."""
 
 

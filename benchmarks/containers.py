@@ -14,19 +14,19 @@ import shutil
 import subprocess
 import tempfile
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from benchmarks.table import Row, at_most, show
+from shared.topics import HEALTH_RATE
 from tests.support.compose import Compose, unusable
 from tests.support.processes import ROOT
 
 COMMAND = "python -m benchmarks.containers"
 MEASURED = ("sim", "wrench", "controller", "base")
-HEALTH_RATE = 2  # [Hz]
+LISTENER = Path(__file__).with_name("late_steps.py")
 LATE_LIMIT, MOVING_LIMIT, BUILD_LIMIT = 0.1, 15.0, 30.0  # [%], [s] and [s] aimed at
 SIZE_LIMITS = {"tandem-core": 400.0, "tandem-sim": 1200.0}  # [MB]
-BUILT_OF = ("docker-compose.yml", ".dockerignore", "deploy", "services", "shared")
+BUILT_OF = (".env", "docker-compose.yml", ".dockerignore", "deploy", "services", "shared")
 
 
 def rows(quick: bool) -> list[Row]:
@@ -43,10 +43,9 @@ def rows(quick: bool) -> list[Row]:
         stack.do("run", "-d", "--rm", "tandem", "hold", "0.45", "-0.39", "0.8", "-1.57", "0", "0")
         # What a busy machine has latched on the way would have it stand still.
         stack.tandem("resume")
-        count = HEALTH_RATE * (10 if quick else 60) + 1
+        count = int(HEALTH_RATE * (10 if quick else 60)) + 1
         load = os.getloadavg()[0]
-        with ThreadPoolExecutor() as pool:
-            late = dict(zip(MEASURED, pool.map(lambda name: _late(stack, name, count), MEASURED), strict=True))
+        late = _late(stack, count)
     note = f"load average {load:.1f} before"
     return [
         *(
@@ -81,14 +80,12 @@ def _size(image: str) -> float:
     return int(subprocess.run(command, capture_output=True, text=True, check=True).stdout) / 1e6
 
 
-def _late(stack: Compose, name: str, count: int) -> float:
-    """Share [%] of a service's steps that were late during so many messages of its health."""
-    done = stack.run(
-        "run", "--rm", "-T", "tandem", "topic", "echo", f"health/{name}", "--count", str(count), timeout=180.0
-    )
-    heard = [json.loads(line) for line in done.stdout.splitlines()]
-    steps = sum(message["loop_hz"] for message in heard[1:]) / HEALTH_RATE
-    return 100.0 * (heard[-1]["overruns"] - heard[0]["overruns"]) / steps
+def _late(stack: Compose, count: int) -> dict[str, float]:
+    """Share [%] of each service's steps that were late during so many messages of its health."""
+    mount = ("-v", f"{LISTENER}:/opt/tandem/{LISTENER.name}:ro")
+    command = ("--entrypoint", "python", "tandem", LISTENER.name, str(count), *MEASURED)
+    found: dict[str, float] = json.loads(stack.do("run", "--rm", "-T", *mount, *command, timeout=180.0))
+    return found
 
 
 def main() -> None:

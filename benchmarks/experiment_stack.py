@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from services.base.base import Base
 from services.base.parameters import BaseParameters
@@ -56,14 +57,17 @@ class Together:
         settings = run.settings
         self._task = TaskParameters.of(settings.get("task", {}))
         self._folder = folder
-        self.simulator = Simulator(SimParameters.of(settings.get("sim", {})), rendering)
-        self._add(self.simulator)
+        self._add_robot(settings.get("sim", {}), rendering)
         self._add(Wrench(WrenchParameters.of(settings.get("wrench", {})), folder))
         self._add(Controller(ControllerParameters.of(settings.get("controller", {}))))
         if "base" in run.further:
             self._add(Base(BaseParameters.of(settings.get("base", {}))))
         if "task" in run.further:
             self.start_task()
+
+    def _add_robot(self, settings: Mapping[str, Any], rendering: Callable[[Scenery], Rendering]) -> None:
+        self.simulator = Simulator(SimParameters.of(settings), rendering)
+        self._add(self.simulator)
 
     def start_task(self) -> None:
         """Start the task, or another one in place of one that was killed."""
@@ -112,15 +116,23 @@ def play_run(
     run: Run,
     rendering: Callable[[Scenery], Rendering] = DirectRendering,
     path: Path | None = None,
+    staged_by: type[Staged] = Staged,
 ) -> Recording:
     """Plays one run in simulated time; what was heard goes to a file, too, if one is named.
+
+    Args:
+        experiment: whose claims it is judged by.
+        run: of it.
+        rendering: where the camera's pictures are rendered.
+        path: of the file.
+        staged_by: builds the stack.
 
     Raises:
         services.experiment.play.course.Failed: the experiment could not be completed.
         TimeoutError: it did not end.
     """
     with tempfile.TemporaryDirectory() as folder:
-        staged = Staged(partial(experiment.player, run), run, Path(folder), rendering)
+        staged = staged_by(partial(experiment.player, run), run, Path(folder), rendering)
         staged.stack.run(LONGEST, done=lambda: staged.player.finished)
     if not staged.player.finished:
         raise TimeoutError(f"{run.name}: still {staged.player.course.phase} after {LONGEST:g} s of simulated time")

@@ -85,10 +85,24 @@ def chain(rate: float, seconds: float, links: str = NONE) -> Segment:
     return chains(rate, seconds, 1, links)[0]
 
 
-def chains(rate: float, seconds: float, count: int, links: str = NONE, keys: Path | None = None) -> list[Segment]:
-    """As many robots with services of their own at one router, all at the same time."""
+def chains(
+    rate: float, seconds: float, count: int, links: str = NONE, keys: Path | None = None, record: Path | None = None
+) -> list[Segment]:
+    """As many robots with services of their own at one router, all at the same time.
+
+    Args:
+        rate: of each robot's sensor [Hz].
+        seconds: that are measured [s].
+        count: of robots.
+        links: as of `--links`.
+        keys: folder of certificates, for a closed network.
+        record: folder into which the recorder writes what the first robot and its services say.
+    """
     with _started(keys) as (processes, endpoint):
         probes = []
+        if record is not None:
+            options = ("--robot", _NAME.format(0), "--connect", endpoint, "--out", str(record))
+            processes.start("services.recorder", *options).wait_for_output("recording", LONGEST)
         for robot in map(_NAME.format, range(count)):
             for service in ("wrench", "controller"):
                 options = ("--robot", robot, "--connect", endpoint, "--links", links, *_secure(keys, service))
@@ -101,6 +115,11 @@ def chains(rate: float, seconds: float, count: int, links: str = NONE, keys: Pat
 def linked(rate: float, seconds: float) -> Segment:
     """The real services over direct links."""
     return chain(rate, seconds, SOCKETS)
+
+
+def recorded(rate: float, seconds: float, folder: Path) -> Segment:
+    """The real services over direct links, while all that they say is written into a folder."""
+    return chains(rate, seconds, 1, SOCKETS, record=folder)[0]
 
 
 def closed(rate: float, seconds: float) -> Segment:
