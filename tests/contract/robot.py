@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import re
-import secrets
 import threading
-import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,26 +10,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import msgpack
-import numpy as np
 import zenoh
 
-from shared.messages import Header, Stop, TwistCommand
-from shared.schema.records import Record
-from shared.spatial import Array, rotation_matrix
-from shared.topics import (
-    COMMAND_EE_TWIST,
-    SENSOR_CAMERA,
-    SENSOR_FT,
-    STATE_BASE,
-    STATE_EE,
-    STATE_GRIPPER,
-    STATE_ROBOT,
-    STOP,
-    TOPICS,
-    Topic,
-    topic_by_key,
-)
-from shared.wire.codec import Rejected, decode, encode
+from services.cli.check import heard
+from shared.messages import TwistCommand
+from shared.topics import COMMAND_EE_TWIST, SENSOR_CAMERA, STOP, TOPICS, Topic
 from tests.support.ports import open_session
 from tests.support.processes import Process
 from tests.support.wait import eventually
@@ -42,7 +24,6 @@ NAME = "fred"
 PATIENCE = 60.0
 """Longest wait [s] for what has to happen; spent only by a test that fails."""
 ZERO = (0.0, 0.0, 0.0)
-_KEPT = 2000
 
 
 @dataclass(frozen=True)
@@ -62,15 +43,6 @@ class RobotProcess:
     world: bool = True
 
 
-@dataclass(frozen=True)
-class Heard:
-    """One payload with what it says."""
-
-    encoding: str
-    header: Header
-    message: Record
-
-
 class Network:
     """A client of the router that knows nothing of the project's own bus."""
 
@@ -84,36 +56,19 @@ class Network:
         self.session.close()
 
 
-class Commander(Network):
+class Commander(Network, heard.Commander):
     """Whoever commands: sends what ``make`` gives on ``topic`` a hundred times a second, a command or a payload."""
 
     def __init__(self, endpoint: str, topic: Topic = COMMAND_EE_TWIST) -> None:
-        super().__init__(endpoint)
-        self.topic = topic
-        self.make: Callable[[], Record | bytes | None] = lambda: None
-        self.number = 0
-        self._id = secrets.randbits(62)
+        Network.__init__(self, endpoint)
+        heard.Commander.__init__(self, self.put, topic)
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
 
     def _run(self) -> None:
         while not self._ended.wait(0.01):
-            made = self.make()
-            if made is not None:
-                self.put(self.topic.key, made if isinstance(made, bytes) else self.payload(made))
-
-    def payload(
-        self, message: Record, valid: bool = True, number: int | None = None, stamp: int | None = None
-    ) -> bytes:
-        """A message with the next sequence number and of this instant, or of the past."""
-        if number is None:
-            self.number += 1
-        sequence = self.number if number is None else number
-        return encode(message, Header(sequence, self._id, stamp or time.monotonic_ns(), valid))
-
-    def stop(self, engaged: bool, reason: str = "", valid: bool = True) -> None:
-        self.put(STOP.key, self.payload(Stop(engaged, reason), valid))
+            self.send()
 
     def close(self) -> None:
         self._ended.set()
@@ -121,27 +76,21 @@ class Commander(Network):
         super().close()
 
 
-def _newest(topic: Topic) -> Any:
-    """The newest message of a topic, as an attribute of ``Robot``."""
-    return property(lambda robot: robot.heard[topic.key][-1].message)
-
-
-class Robot(Network):
+class Robot(Network, heard.Robot):
     """What is published under the robot's name, but for the camera's pictures: they are taken for those who ask."""
 
     def __init__(self, endpoint: str, name: str = NAME) -> None:
-        super().__init__(endpoint)
+        Network.__init__(self, endpoint)
+        heard.Robot.__init__(self)
         self._name = name
         self.options = ("--robot", name, "--connect", endpoint)
-        self.heard: dict[str, deque[Heard]] = {}
-        self.rejected: list[str] = []
-        keys = [topic.key for topic in TOPICS if topic is not SENSOR_CAMERA] + ["health/*"]
+        keys = [topic.key for topic in TOPICS if topic is not SENSOR_CAMERA] + ["health/*", "setup/*"]
         self._subscribers = [self.session.declare_subscriber(f"{name}/{key}", self._on_sample) for key in keys]
 
     @contextmanager
     def listening(self, key: str) -> Iterator[deque[zenoh.Sample]]:
         """What else is published there, while it is listened to."""
-        samples: deque[zenoh.Sample] = deque(maxlen=_KEPT)
+        samples: deque[zenoh.Sample] = deque(maxlen=heard.KEPT)
         subscriber = self.session.declare_subscriber(f"{self._name}/{key}", samples.append)
         yield samples
         subscriber.undeclare()
@@ -158,17 +107,8 @@ class Robot(Network):
 
     def _on_sample(self, sample: zenoh.Sample) -> None:
         key = self.key(sample)
-        topic = topic_by_key(key)
-        if topic is STOP or key.startswith("command/"):
-            return
-        try:
-            assert topic is not None, "no key of the contract"
-            header, message = decode(topic.message, sample.payload.to_bytes(), topic.cap)
-        except (AssertionError, Rejected) as problem:
-            self.rejected.append(f"{key}: {problem}")
-            return
-        heard = Heard(str(sample.encoding), header, message)
-        self.heard.setdefault(key, deque(maxlen=_KEPT)).append(heard)
+        if key != STOP.key and not key.startswith("command/"):
+            self.take(key, sample.payload.to_bytes(), str(sample.encoding))
 
     def started(self) -> Robot:
         eventually(
@@ -176,36 +116,8 @@ class Robot(Network):
         )
         return self
 
-    def all(self, topic: Topic) -> list[Heard]:
-        return list(self.heard.get(topic.key, ()))
-
-    tool = _newest(STATE_EE)
-    sample = _newest(SENSOR_FT)
-    status = _newest(STATE_ROBOT)
-    base = _newest(STATE_BASE)
-    gripper = _newest(STATE_GRIPPER)
-
-    @property
-    def rotation(self) -> Array:
-        return rotation_matrix(self.tool.orientation)
-
-    @property
-    def speed(self) -> float:
-        return float(np.linalg.norm(self.tool.linear))
-
-    def at_rest(self) -> bool:
-        return self.speed < 2e-3 and float(np.linalg.norm(self.tool.angular)) < 1e-2
-
     def rests(self) -> None:
         eventually(self.at_rest, PATIENCE, "the tool stands still")
-
-    def base_at_rest(self) -> bool:
-        return bool((np.abs(self.base.velocity) < (2e-3, 2e-3, 4e-3)).all())
-
-    def counted(self, what: str) -> int:
-        """How many cases of that kind the robot has named so far."""
-        cases = re.findall(rf"{what}[^;,]*?: (\d+)|(\d+) [^;,]*?{what}", self.status.reason)
-        return sum(int(number) for case in cases for number in case if number)
 
     def follow(self, commander: Commander, linear: tuple, angular: tuple, moved: Callable[[], bool]) -> None:
         """Let the robot be commanded until it has moved so far, and come to rest."""

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from shared.spatial import cross, rotation_matrix, rotation_vector
+from services.cli.check.weighing import wrench_in_base
+from shared.spatial import rotation_matrix, rotation_vector
 from shared.topics import SENSOR_FT, STATE_EE
 from tests.conftest import Router, _processes
 from tests.contract.robot import PATIENCE, ZERO, Commander, Robot, RobotProcess
@@ -78,17 +79,6 @@ def with_a_kilogram(
         start_process(kind.module, *loaded.options, *kind.with_a_kilogram)
         yield loaded.started()
         loaded.close()
-
-
-def wrench_in_base(robot: Robot, samples: int = 100) -> tuple[np.ndarray, np.ndarray]:
-    """Force and torque about the tool's origin, base axes, averaged over the newest samples."""
-    forces, torques = [], []
-    for heard in robot.all(SENSOR_FT)[-samples:]:
-        sample = heard.message
-        rotation = rotation_matrix(sample.orientation)
-        forces.append(rotation @ sample.force)
-        torques.append(rotation @ (sample.torque - cross(sample.tool_offset, sample.force)))
-    return np.mean(forces, axis=0), np.mean(torques, axis=0)
 
 
 def test_a_kilogram_pulls_down(robot: Robot, request: pytest.FixtureRequest) -> None:

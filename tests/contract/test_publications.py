@@ -9,6 +9,8 @@ from collections import Counter
 import pytest
 from PIL import Image
 
+from services.cli.check.heard import ALWAYS, Heard
+from services.cli.check.listening import allowed_rate, rate
 from shared.messages import CameraImage, Header, RobotStatus
 from shared.sim_messages import SimWorld
 from shared.topics import (
@@ -16,31 +18,22 @@ from shared.topics import (
     SENSOR_FT,
     SIM_WORLD,
     STATE_BASE,
-    STATE_EE,
-    STATE_GRIPPER,
     STATE_JOINTS,
     STATE_ROBOT,
     Topic,
 )
 from shared.wire.codec import decode
-from tests.contract.robot import PATIENCE, Heard, Robot, RobotProcess
+from tests.contract.robot import PATIENCE, Robot, RobotProcess
 from tests.support.wait import eventually
 
 pytestmark = pytest.mark.processes
 
-ALWAYS = (SENSOR_FT, STATE_JOINTS, STATE_EE, STATE_BASE, STATE_GRIPPER, STATE_ROBOT)
 topics = pytest.mark.parametrize("topic", ALWAYS, ids=lambda topic: topic.key)
 
 
 def messages(robot: Robot, topic: Topic, count: int = 20) -> list[Heard]:
     eventually(lambda: len(robot.all(topic)) >= count, PATIENCE, f"{count} messages on {topic.key}")
     return robot.all(topic)
-
-
-def rate(heard: list[Heard]) -> float:
-    """Of the publisher [Hz], by its own account: what the network lost counts too."""
-    first, last = heard[0].header, heard[-1].header
-    return (last.seq - first.seq) / max((last.stamp - first.stamp) * 1e-9, 1e-9)
 
 
 def test_every_key_of_the_robot_and_none_of_anybody_else(robot: Robot, kind: RobotProcess) -> None:
@@ -50,7 +43,7 @@ def test_every_key_of_the_robot_and_none_of_anybody_else(robot: Robot, kind: Rob
     wanted |= {SENSOR_CAMERA.key} if kind.camera else set()
     with robot.listening("**") as samples:
         eventually(lambda: wanted <= set(map(robot.key, list(samples))), PATIENCE, "every key is heard")
-    heard = {key for key in map(robot.key, samples) if not key.startswith("health/")}
+    heard = {key for key in map(robot.key, samples) if not key.startswith(("health/", "setup/"))}
     assert heard == wanted
 
 
@@ -103,9 +96,7 @@ def test_headers_count_and_tell_the_time(robot: Robot, topic: Topic) -> None:
 
 @topics
 def test_rates(robot: Robot, topic: Topic) -> None:
-    slowest, fastest = {SENSOR_FT: (30.0, 1000.0), STATE_JOINTS: (50.0, 1000.0), STATE_EE: (50.0, 1000.0)}.get(
-        topic, (topic.rate, topic.rate)
-    )
+    slowest, fastest = allowed_rate(topic)
     # On a busy machine not every second is as it should be, but some are.
     wanted = max(10, round(slowest))
 

@@ -106,15 +106,15 @@ def witness(endpoint: str, keys: Path) -> Iterator[dict[str, zenoh.Session]]:
 def may_say(name: str) -> set[str]:
     """The keys that a participant may publish under, without the robot."""
     said = {topic.key for topic in TOPICS if may_publish(name, topic)}
-    if name not in ("operator", "viewer"):
-        said.add(f"health/{name}")
+    if name not in ("operator", "viewer", "page"):
+        said |= {f"health/{name}", f"setup/{name}"}
     return said | ({"beat/1"} if name in ("sim", "mock", "robot") else set())
 
 
 KEYS = (
     *(topic.key for topic in TOPICS),
     *(query.key for query in QUERIES),
-    *(f"{kind}/{name}" for kind in ("health", "alive") for name in (*PARTICIPANTS, "router")),
+    *(f"{kind}/{name}" for kind in ("health", "setup", "alive") for name in (*PARTICIPANTS, "router")),
     *("beat/1", "unheard/of", "**", "*/*", "command/*", "health/*"),
 )
 

@@ -22,15 +22,17 @@ def launch(start: StartProcess, tmp_path: Path) -> Launch:
 
 
 def _launch(start: StartProcess, subject: Subject, endpoint: str, folder: Path) -> Process:
-    return start(
-        subject.process.module, *subject.arguments(endpoint, str(folder)), environment={"XDG_STATE_HOME": str(folder)}
-    )
+    environment = {"XDG_STATE_HOME": str(folder), **subject.behind(start, endpoint)}
+    return start(subject.process.module, *subject.arguments(endpoint, str(folder)), environment=environment)
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Those that a subject lives through come one after the other: it is started once for all of them."""
-    places = [place for place, item in enumerate(items) if "stage" in getattr(item, "fixturenames", ())]
+    here = Path(__file__).parent
+    # The items are those of all folders, where a fixture may have the same name.
+    own = [here in item.path.parents and "stage" in getattr(item, "fixturenames", ()) for item in items]
+    places = [place for place, is_own in enumerate(own) if is_own]
     lived_through = (items[place] for place in places)
     together = sorted(lived_through, key=lambda item: SUBJECTS.index(item.callspec.params["subject"]))
     for place, item in zip(places, together, strict=True):

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from services.experiment.play.observation import INPUTS as WATCHED
 from shared import topics as t
-from shared.processes import Process, process_named
+from shared.processes import Process as Row
+from shared.processes import process_named
 from shared.robot.side import RobotSide
 from shared.topics import Query, Topic
 from tests.promises import worlds
+from tests.support import ros1, ros2
+from tests.support.processes import Process
 
 if TYPE_CHECKING:
     from tests.promises.surroundings import Surroundings
 
 Judge = Callable[[Any], bool]
+Behind = Callable[[Callable[..., Process], str], Mapping[str, str]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,10 +39,13 @@ class Subject:
         optional: its other inputs.
         lacks: what others publish and answer under the same name, and it does not.
         settings: with which it is started here: a shared machine holds processes up for longer than a robot's.
+        slower: rates [Hz] of topics that come less often from it than is usual.
         begin: makes it work, if its inputs alone do not.
         latches: a failure of the sensor keeps it at rest until somebody releases it.
         parameter: a name with a value that it takes and one that it refuses, with what it says then.
         in_force: whether the value that it takes is.
+        behind: starts what has to be there besides the router at an endpoint, and says how the process'
+            environment names it; skips the test where that cannot be.
     """
 
     name: str
@@ -51,16 +59,18 @@ class Subject:
     optional: tuple[Topic, ...] = ()
     lacks: tuple[Topic | Query, ...] = ()
     settings: tuple[str, ...] = ()
+    slower: Mapping[Topic, float] = field(default_factory=dict)
     begin: Callable[[Surroundings], None] = lambda around: None
     latches: bool = False
     parameter: tuple[str, Any, Any, str] | None = None
     in_force: Callable[[Surroundings], bool] = lambda around: True
+    behind: Behind = lambda start, endpoint: {}
 
     def __repr__(self) -> str:
         return self.name
 
     @property
-    def process(self) -> Process:
+    def process(self) -> Row:
         """Its row."""
         return process_named(self.name)
 
@@ -74,12 +84,13 @@ class Subject:
         """All that it publishes without being asked for it."""
         said = (topic for topic in t.TOPICS if self.process.publisher in topic.publishers)
         unasked = (topic for topic in said if topic is not t.SENSOR_CAMERA and topic not in self.lacks)
-        return (*unasked, t.health_topic(self.name))
+        of_itself = t.own_topics(self.process.known_as) if self.process.service else (t.health_topic(self.name),)
+        return (*unasked, *of_itself)
 
     @property
     def queries(self) -> tuple[Query, ...]:
         """All that it answers."""
-        served = (query for query in t.QUERIES if query.server == self.process.publisher)
+        served = (query for query in t.QUERIES if self.process.publisher in query.servers)
         return tuple(query for query in served if query not in self.lacks)
 
     def arguments(self, endpoint: str, folder: str) -> list[str]:
@@ -96,12 +107,32 @@ _ROBOT: dict[str, Any] = {
     "optional": RobotSide.INPUTS,
     "world": worlds.commander,
 }
+_AS_TIAGO_TELLS = {t.STATE_EE: 50.0, t.STATE_JOINTS: 50.0}
 _TROUBLE = ("restarted", "controller brakes", "of no use", "cannot be read")
 
 SUBJECTS = (
     Subject("router"),
     Subject("sim", **_ROBOT),
     Subject("mock", **_ROBOT, lacks=(t.SIM_WORLD, t.SIM_COMMAND)),
+    Subject(
+        "bridge_ros1",
+        **_ROBOT,
+        lacks=(t.SIM_WORLD, t.SIM_COMMAND),
+        settings=("require_enable=false",),
+        slower=_AS_TIAGO_TELLS,
+        begin=worlds.release,
+        behind=partial(ros1.robot, name="behind_ros1"),
+    ),
+    Subject(
+        "bridge_ros2",
+        **_ROBOT,
+        lacks=(t.SIM_WORLD, t.SIM_COMMAND),
+        settings=("require_enable=false", 'dialect="rmw_zenoh"'),
+        slower=_AS_TIAGO_TELLS,
+        begin=worlds.release,
+        behind=partial(ros2.robot, name="behind_ros2"),
+    ),
+    Subject("ros_robot", output=t.SIM_WORLD, settings=('transport="none"',)),
     Subject(
         "wrench",
         output=t.WRENCH_EXTERNAL,
@@ -165,6 +196,7 @@ SUBJECTS = (
     ),
     Subject("experiment", output=t.CONTROL_TARGET, world=worlds.restless, optional=WATCHED),
     Subject("recorder"),
+    Subject("viewer"),
     Subject("cli"),
 )
 BY_NAME = {subject.name: subject for subject in SUBJECTS}

@@ -39,7 +39,7 @@ class Surroundings(StandIn):
     """
 
     def __init__(self, endpoint: str, subject: Subject) -> None:
-        super().__init__(endpoint, subject.name)
+        super().__init__(endpoint, subject.process.known_as)
         self.subject = subject
         self.plays = subject.world(self)
         self.heard: dict[str, list[Received[Any]]] = {topic.key: self.hear(topic) for topic in subject.outputs}

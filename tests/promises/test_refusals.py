@@ -26,7 +26,7 @@ TOGETHER = {
 def parameters(name: str) -> Parameters:
     """The parameters of a process, by default."""
     module = importlib.import_module(f"{process_named(name).module}.parameters")
-    made: Parameters = getattr(module, f"{name.capitalize()}Parameters")()
+    made: Parameters = getattr(module, "".join(map(str.capitalize, name.split("_"))) + "Parameters")()
     return made
 
 

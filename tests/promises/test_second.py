@@ -31,10 +31,10 @@ def test_the_second_one_is_told_and_the_first_one_works_on(
     subject: Subject, stage: Stage, around: Surroundings, launch: Launch
 ) -> None:
     sessions = {key: {one.header.session for one in said} for key, said in around.heard.items()}
-    second(launch(subject, stage.endpoint), subject.name)
+    second(launch(subject, stage.endpoint), subject.process.known_as)
     if subject.name in ROBOTS:
         other = next(name for name in BY_NAME if name in ROBOTS and name != subject.name)
-        second(launch(BY_NAME[other], stage.endpoint), subject.name)
+        second(launch(BY_NAME[other], stage.endpoint), subject.process.known_as)
     around.goes_on("a second one")
     for key, said in around.heard.items():
         assert {one.header.session for one in said} <= sessions[key] or not sessions[key]

@@ -32,13 +32,14 @@ every_service = pytest.mark.parametrize("subject", SERVICES, ids=repr)
 @every_service
 def test_it_is_alive_and_says_that_all_is_well_with_all_its_inputs(around: Surroundings) -> None:
     eventually(around.ok, PATIENCE, lambda: f"health ok: {around.words}")
-    assert around.subject.name in around.bus.living()
+    assert around.subject.process.known_as in around.bus.living()
     assert set(around.report.inputs) == {topic.key for topic in around.subject.inputs}
 
 
 @every_service
 def test_what_it_publishes_comes_at_the_stated_rate(around: Surroundings) -> None:
-    rates = {topic.key: topic.rate for topic in around.subject.outputs if topic.rate}
+    slower, outputs = around.subject.slower, around.subject.outputs
+    rates = {topic.key: slower.get(topic, topic.rate) for topic in outputs if topic.rate}
     eventually(lambda: all(around.heard[key] for key in rates), PATIENCE, "everything")
     before, turns = {key: len(around.heard[key]) for key in rates}, around.turns
     eventually(lambda: around.turns >= turns + 200, PATIENCE, "two seconds")

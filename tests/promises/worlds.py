@@ -46,6 +46,7 @@ STRANGE: dict[t.Topic, dict[str, Any]] = {
     t.COMMAND_BASE_TWIST: {"velocity": [9.0, 0.0, 0.0]},
     t.COMMAND_GRIPPER: {"opening": 9.0},
     t.COMMAND_HEAD: {"pan": 9.0},
+    t.OPERATOR_ENABLE: {"pressed": False},
 }
 """Fields of a second publisher's messages: were they used, it would be seen in what is said of it."""
 
@@ -76,6 +77,16 @@ def stage(around: Surroundings) -> Says:
     return lambda number: [*start(number), *((topic, said) for topic, said, _ in robot.tick(number))]
 
 
+def release(around: Surroundings) -> None:
+    """Release the stop that a bridge starts with, once there is a robot behind it."""
+
+    def works() -> bool:
+        around.client.publish(t.STOP, m.Stop(False))
+        return around.works()
+
+    eventually(works, 60.0, lambda: f"released: {around.words}", every=0.5)
+
+
 def search(around: Surroundings) -> None:
     """Start the task, from whatever state it is in."""
 
@@ -98,6 +109,7 @@ commander = steady(
     (t.COMMAND_EE_TWIST, m.TwistCommand(SLOWLY, STILL, 0.2), 1),
     (t.COMMAND_BASE_TWIST, m.BaseTwistCommand(SLOWLY, 0.2), 1),
     (t.COMMAND_GRIPPER, m.GripperCommand(0.05, 10.0), 20),
+    (t.OPERATOR_ENABLE, m.EnableDevice(True), 5),
     (t.COMMAND_HEAD, m.HeadCommand(0.0, 0.0), 20),
 )
 target = steady(

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
 
+from tests.support.ports import free_pair
 from tests.support.processes import ROOT
 
 
@@ -26,8 +28,11 @@ def _compose() -> list[str]:
     return []
 
 
-def _done(*command: str, timeout: float = 60.0) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=timeout, check=False)
+def _done(
+    *command: str, timeout: float = 60.0, environment: dict[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
+    given = os.environ | (environment or {})
+    return subprocess.run(command, cwd=ROOT, env=given, capture_output=True, text=True, timeout=timeout, check=False)
 
 
 class Compose:
@@ -37,12 +42,16 @@ class Compose:
         project: its name.
         override: a second file, whose words come after the first one's.
         root: folder of the compose file and of what the images are built of.
+
+    Attributes:
+        page: port of this machine on which the page is published; its picture is on the next one.
     """
 
     def __init__(self, project: str, override: Path | None = None, root: Path = ROOT) -> None:
         files = ["-f", str(root / "docker-compose.yml"), *(["-f", str(override)] if override else [])]
         self._command = [*_compose(), "-p", project, *files]
         self.project = project
+        self.page = free_pair()
 
     def __enter__(self) -> Compose:
         base = _done(str(ROOT / "deploy" / "base-image"), timeout=600.0)
@@ -56,7 +65,8 @@ class Compose:
 
     def run(self, *arguments: str, timeout: float = 120.0) -> subprocess.CompletedProcess[str]:
         """What a user types after `docker compose`."""
-        return _done(*self._command, *arguments, timeout=timeout)
+        ports = {"TANDEM_PAGE": f"{self.page}-{self.page + 1}"}
+        return _done(*self._command, *arguments, timeout=timeout, environment=ports)
 
     def do(self, *arguments: str, timeout: float = 120.0) -> str:
         """The same, which has to succeed; what it printed."""
@@ -74,9 +84,22 @@ class Compose:
         assert echoed.returncode == 0, echoed.stderr
         return [json.loads(line) for line in echoed.stdout.splitlines()]
 
+    def _container(self, service: str) -> str:
+        """Asked of the engine itself: the older compose takes half a second of a core to answer."""
+        labels = {"project": self.project, "service": service, "oneoff": "False"}
+        filters = (f"--filter=label=com.docker.compose.{name}={value}" for name, value in labels.items())
+        found = _done("docker", "ps", "-aq", *filters).stdout.split()
+        assert len(found) == 1, f"{len(found)} containers of {service}"
+        return found[0]
+
+    def log(self, service: str) -> str:
+        """All that a service has said so far."""
+        told = _done("docker", "logs", self._container(service))
+        return told.stdout + told.stderr
+
     def inspect(self, service: str, *path: str) -> Any:
         """What the engine knows of a service's container."""
-        found: Any = json.loads(_done("docker", "inspect", self.do("ps", "-q", "-a", service).strip()).stdout)[0]
+        found: Any = json.loads(_done("docker", "inspect", self._container(service)).stdout)[0]
         for name in path:
             found = found[name]
         return found

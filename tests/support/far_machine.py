@@ -12,7 +12,10 @@ from types import TracebackType
 from typing import Literal, Self
 
 Direction = Literal["there", "back"]
-_CHAINS: dict[Direction, tuple[str, str]] = {"there": ("INPUT", "-i"), "back": ("OUTPUT", "-o")}
+_CHAINS: dict[Direction, tuple[str, str, str]] = {
+    "there": ("INPUT", "-i", "--sport"),
+    "back": ("OUTPUT", "-o", "--dport"),
+}
 
 
 def unusable() -> str:
@@ -30,6 +33,7 @@ class FarMachine:
 
     Attributes:
         address: of it, as this machine dials it.
+        here: address of this machine, as it dials it.
         within: what a command begins with that is to run there.
     """
 
@@ -38,7 +42,7 @@ class FarMachine:
         self._name = f"tandem-{number}"
         self._ends = f"tdm{number}h", f"tdm{number}f"
         first = f"10.231.{number // 64}"
-        self._here, self.address = f"{first}.{number % 64 * 4 + 1}", f"{first}.{number % 64 * 4 + 2}"
+        self.here, self.address = f"{first}.{number % 64 * 4 + 1}", f"{first}.{number % 64 * 4 + 2}"
         self.within = ("ip", "netns", "exec", self._name)
 
     def __enter__(self) -> Self:
@@ -46,7 +50,7 @@ class FarMachine:
         _do("ip", "netns", "add", self._name)
         try:
             _do("ip", "link", "add", here, "type", "veth", "peer", "name", far, "netns", self._name)
-            _do("ip", "addr", "add", f"{self._here}/30", "dev", here)
+            _do("ip", "addr", "add", f"{self.here}/30", "dev", here)
             _do("ip", "link", "set", here, "up")
             _do(*self.within, "ip", "addr", "add", f"{self.address}/30", "dev", far)
             for name in (far, "lo"):
@@ -66,14 +70,21 @@ class FarMachine:
 
     def lose(self, direction: Direction, share: float) -> None:
         """Lose a share [1] of the packets on the way there, or back; 1 cuts it."""
-        chain, along = _CHAINS[direction]
+        chain, along, _ = _CHAINS[direction]
         some = () if share >= 1.0 else ("-m", "statistic", "--mode", "random", "--probability", f"{share:g}")
         _do(*self.within, "iptables", "-A", chain, along, self._ends[1], *some, "-j", "DROP")
+
+    def cut(self, but: int) -> None:
+        """Lose all packets of both ways at once, but those of a TCP port of this machine."""
+        rules = (
+            f"-A {chain} {along} {self._ends[1]} -p tcp ! {end} {but} -j DROP" for chain, along, end in _CHAINS.values()
+        )
+        _do(*self.within, "iptables-restore", "--noflush", told="\n".join(("*filter", *rules, "COMMIT\n")))
 
     def mend(self) -> None:
         """Lose nothing any more."""
         _do(*self.within, "iptables", "-F")
 
 
-def _do(*command: str) -> None:
-    subprocess.run(command, check=True, capture_output=True, timeout=30.0)
+def _do(*command: str, told: str = "") -> None:
+    subprocess.run(command, check=True, capture_output=True, timeout=30.0, input=told.encode())

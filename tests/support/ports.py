@@ -15,6 +15,18 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
+def free_pair() -> int:
+    """A free port of the loopback interface of which the next one is free, too."""
+    while True:
+        port = free_port()
+        with socket.socket() as probe:
+            try:
+                probe.bind(("127.0.0.1", port + 1))
+            except OSError:
+                continue
+            return port
+
+
 def free_endpoint() -> str:
     """A Zenoh endpoint on a free loopback port, such as ``tcp/127.0.0.1:41235``."""
     return f"tcp/127.0.0.1:{free_port()}"

@@ -88,7 +88,7 @@ class Watched:
 @pytest.fixture
 def stack(tmp_path: Path) -> Iterator[Watched]:
     endpoint = free_endpoint()
-    arguments, own = ["up", "--carry", "--router", endpoint], {"XDG_STATE_HOME": str(tmp_path)}
+    arguments, own = ["up", "--carry", "--no-view", "--connect", endpoint], {"XDG_STATE_HOME": str(tmp_path)}
     with Process("services.cli", arguments, tmp_path / "up", own) as process:
         eventually(lambda: not process.running or "task: ok" in process.output, PATIENCE, "the stack is up")
         assert process.running, process.output
@@ -140,7 +140,7 @@ def test_a_covered_marker_makes_it_wait_and_say_why(stack: Watched) -> None:
 def test_the_whole_carry_with_its_report(tmp_path: Path) -> None:
     out = tmp_path / "report"
     arguments = ["run", "carry", "--law", "certified", "--no-film", "--out", str(out)]
-    with Process("services.cli", [*arguments, "--router", free_endpoint()], tmp_path / "run") as process:
+    with Process("services.cli", [*arguments, "--connect", free_endpoint()], tmp_path / "run") as process:
         eventually(lambda: not process.running, 300.0, "the run ends")
         said = process.output
     assert (out / "index.html").exists(), said
