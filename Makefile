@@ -14,6 +14,8 @@ install = $(BIN)/uv pip install -q --python $(BIN)/python --require-hashes -r $(
 	|| $(PIP) install --require-hashes -r $(REQUIREMENTS)/$(1).txt
 # Tests that share the cores; those of one module stay together.
 SHARED := --numprocesses auto --maxprocesses 4 --dist loadscope
+# Tests with a robot of ROS behind a bridge: each takes the cores alone.
+BEHIND := bridge_ros or bridge_cut or enabling
 COMPILE := $(BIN)/uv pip compile -q --generate-hashes --python-version 3.11 --no-emit-index-url \
 	--custom-compile-command "make lock"
 
@@ -66,10 +68,11 @@ test: simulated realtime
 endif
 
 simulated: $(READY)
-	@$(BIN)/python -m pytest -m "not processes" $(SHARED)
+	@$(BIN)/python -m pytest -m "not processes" $(SHARED) --no-loadscope-reorder  # in the order of tests/conftest.py
 
 realtime: $(READY)
-	@$(BIN)/python -m pytest -m processes --ignore tests/system --ignore tests/deploy $(SHARED)
+	@$(BIN)/python -m pytest -m processes --ignore tests/system --ignore tests/deploy -k "not ($(BEHIND))" $(SHARED)
+	@$(BIN)/python -m pytest -m processes --ignore tests/system --ignore tests/deploy -k "$(BEHIND)"
 	@$(BIN)/python -m pytest -m processes tests/system tests/deploy  # no other test beside it
 
 lint: $(READY) ## style, layers and types
@@ -88,8 +91,8 @@ bench: $(BENCH_READY) ## the benchmarks, as one table
 lock: $(READY) ## pin the requirements anew
 	@echo uv | $(COMPILE) - -o $(REQUIREMENTS)/uv.txt
 	@$(COMPILE) --extra all --extra test --extra lint --group build pyproject.toml -o $(REQUIREMENTS)/all.txt
-	@for stage in core: cli:cli controller:controller task:task sim:sim tools:sim,experiment; do \
-		$(COMPILE) $$(printf '%s' "$${stage#*:}" | sed -E 's/[a-z]+,?/--extra &/g; s/,/ /g') \
+	@for stage in core: cli:cli controller:controller task:task sim:sim ros_robot:ros_robot bridge_ros1:bridge bridge_ros2:bridge_ros2 tools:experiment,recorder viewer:viewer; do \
+		$(COMPILE) $$(printf '%s' "$${stage#*:}" | sed -E 's/[a-z0-9_]+,?/--extra &/g; s/,/ /g') \
 			-c $(REQUIREMENTS)/all.txt pyproject.toml -o $(REQUIREMENTS)/$${stage%%:*}.txt; \
 	done
 	@$(COMPILE) --extra bench -c $(REQUIREMENTS)/all.txt pyproject.toml -o $(REQUIREMENTS)/bench.txt
