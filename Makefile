@@ -16,6 +16,10 @@ install = $(BIN)/uv pip install -q --python $(BIN)/python --require-hashes -r $(
 SHARED := --numprocesses auto --maxprocesses 4 --dist loadscope
 # Tests with a robot of ROS behind a bridge: each takes the cores alone.
 BEHIND := bridge_ros or bridge_cut or enabling
+# What fails in real time is tried once more with the cores to itself, and both are printed: only 1 is "tests failed".
+in_real_time = $(BIN)/python -m pytest -m processes $(1) $(2) || { [ $$? -eq 1 ] && \
+	$(BIN)/python -m pytest -m processes $(1) --last-failed --last-failed-no-failures none; }
+APART := --ignore tests/system --ignore tests/deploy
 COMPILE := $(BIN)/uv pip compile -q --generate-hashes --python-version 3.11 --no-emit-index-url \
 	--custom-compile-command "make lock"
 
@@ -71,9 +75,9 @@ simulated: $(READY)
 	@$(BIN)/python -m pytest -m "not processes" $(SHARED) --no-loadscope-reorder  # in the order of tests/conftest.py
 
 realtime: $(READY)
-	@$(BIN)/python -m pytest -m processes --ignore tests/system --ignore tests/deploy -k "not ($(BEHIND))" $(SHARED)
-	@$(BIN)/python -m pytest -m processes --ignore tests/system --ignore tests/deploy -k "$(BEHIND)"
-	@$(BIN)/python -m pytest -m processes tests/system tests/deploy  # no other test beside it
+	@$(call in_real_time,$(APART) -k "not ($(BEHIND))",$(SHARED))
+	@$(call in_real_time,$(APART) -k "$(BEHIND)")
+	@$(call in_real_time,tests/system tests/deploy)  # no other test beside it
 
 lint: $(READY) ## style, layers and types
 	@$(BIN)/ruff check .

@@ -19,8 +19,9 @@ from tests.support.wait import eventually
 pytestmark = pytest.mark.processes
 
 
-_SLOW = "of the wanted pace"
-"""A simulation on a busy machine says so, and is right."""
+def _slow(said: str) -> bool:
+    """Whether a row is what a simulation on a busy machine gets, and rightly: its pace, and the rates that follow."""
+    return "of the wanted pace" in said or "Hz, wanted" in said
 
 
 @pytest.fixture
@@ -37,10 +38,10 @@ def test_it_passes_and_moves_nothing_unasked(robot: Robot, kind: RobotProcess, o
         done = tandem("check-robot", "--json", *options)
         said = json.loads(done.stdout)
         assert said["good"] == (done.returncode == 0)
-        return said if all(row["good"] is not False or _SLOW in row["said"] for row in said["checks"]) else {}
+        return said if all(row["good"] is not False or _slow(row["said"]) for row in said["checks"]) else {}
 
     checks = eventually(passes, PATIENCE, "it passes")["checks"]
-    found = {row["what"]: row["good"] for row in checks if _SLOW not in row["said"]}
+    found = {row["what"]: row["good"] for row in checks if not _slow(row["said"])}
     assert found.pop("motion") is None
     assert (found.pop("sensor/camera"), found.pop("weight")) == ((True, True) if kind.world else (None, None))
     assert all(found.values())
@@ -55,7 +56,7 @@ def test_with_consent_it_moves_little_and_passes(robot: Robot, options: tuple[st
 
     def passes() -> bool:
         runs.append(tandem("check-robot", "--move", "--base", "--yes", *options))
-        refused = [line for line in runs[-1].stdout.splitlines() if line.startswith("NO") and _SLOW not in line]
+        refused = [line for line in runs[-1].stdout.splitlines() if line.startswith("NO") and not _slow(line)]
         return runs[-1].returncode in (0, 1) and not refused
 
     eventually(passes, PATIENCE, lambda: "it passes: " + "".join(run.stdout for run in runs))
