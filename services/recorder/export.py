@@ -11,7 +11,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import msgspec
 from mcap.writer import Writer
@@ -53,23 +53,33 @@ def export(paths: Sequence[Path], out: Path) -> Exported:
     Raises:
         shared.wire.log.NoRecording: a file is none.
         OSError: a file cannot be read, or written; one that is there is not written over.
+
+    Whatever ends it early, an interruption too, ends its file.
     """
     logs = [Log(path) for path in paths]
     with out.open("xb") as stream:
-        file = _File(stream)
-        for log in logs:
-            for one in log:
-                file.add(one.key, one.arrival_ns + log.about[ABOUT]["wall_ns"], one.payload)
-        for name, content in {name: content for log in logs for name, content in log.about.items()}.items():
-            file.writer.add_metadata(name, {"json": valid_json(content)})
-        file.writer.finish()
+        try:
+            return _exported(logs, stream)
+        except BaseException:  # who interrupts it is left with nothing that looks like a whole recording
+            out.unlink()
+            raise
+
+
+def _exported(logs: Sequence[Log], stream: BinaryIO) -> Exported:
+    file = _File(stream)
+    for log in logs:
+        for one in log:
+            file.add(one.key, one.arrival_ns + log.about[ABOUT]["wall_ns"], one.payload)
+    for name, content in {name: content for log in logs for name, content in log.about.items()}.items():
+        file.writer.add_metadata(name, {"json": valid_json(content)})
+    file.writer.finish()
     return file.exported
 
 
 class _File:
     """One in the making."""
 
-    def __init__(self, stream: Any) -> None:
+    def __init__(self, stream: BinaryIO) -> None:
         self.writer = Writer(stream)
         self.writer.start("", "tandem")
         # Who is shown the robot needs its description.

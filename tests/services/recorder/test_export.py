@@ -165,3 +165,11 @@ def test_numbered_files_are_one_recording(
     awaited.assert_called_with("0 MB of recording are gone through, which takes time; Ctrl-C ends it")
     again = tandem_here(capsys, "export", str(place), "--foxglove", str(out))
     assert again.returncode == 2 and "there already" in again.stderr
+
+
+def test_an_interrupted_one_leaves_no_half_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_log(tmp_path / "a.mcap", {"robot": "tiago", "wall_ns": 5 * 10**9}, heard())
+    monkeypatch.setattr("services.recorder.export.show", Mock(side_effect=KeyboardInterrupt))
+    with pytest.raises(KeyboardInterrupt):
+        export([tmp_path / "a.mcap"], tmp_path / "fox.mcap")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.mcap"]
