@@ -11,6 +11,9 @@ import zenoh
 
 from shared.wire.bus import Leave
 
+_GOODBYE = 0.5
+"""Time [s] for telling the others that a session ends; nearly always it takes some milliseconds."""
+
 Handle = zenoh.Subscriber | zenoh.Queryable
 Declare = Callable[[zenoh.Session], Handle]
 
@@ -86,11 +89,19 @@ class Renewable:
             self._publishers = {}
             self._declared = dict.fromkeys(self._declared)
         if session is not None:
-            # What is still being handed over may ask for the lock.
-            session.close()
+            # What is still being handed over may ask for the lock. To a router that hangs Zenoh says goodbye for up to
+            # ten seconds, which can change nothing any more.
+            ending = threading.Thread(target=_close, args=(session,), name="close", daemon=True)
+            ending.start()
+            ending.join(_GOODBYE)
 
     def renew(self, session: zenoh.Session) -> None:
         """Go on in another session, after ``close``."""
         with self._lock:
             self._session = session
             self._declared = {declare: declare(session) for declare in self._declared}
+
+
+def _close(session: zenoh.Session) -> None:
+    with suppress(zenoh.ZError):  # the goodbye was not taken in time
+        session.close()

@@ -69,6 +69,17 @@ def test_ends_while_nobody_else_is_there(subject: Subject, launch: Launch, share
     watcher.close()
 
 
+@every_service
+def test_ends_while_its_router_hangs(subject: Subject, launch: Launch, router: Router) -> None:
+    process = launch(subject, router.endpoint)
+    watcher = ZenohBus(connect=router.endpoint)
+    eventually(lambda: subject.process.known_as in watcher.living(), PATIENCE, "alive")
+    router.process.signal(signal.SIGSTOP)
+    process.ends_in_time()
+    watcher.close()
+    router.process.signal(signal.SIGCONT)
+
+
 @working
 def test_says_what_is_missing_in_whatever_order_it_comes_and_ends_with_a_last_word(
     subject: Subject, launch: Launch, shared_router: Router
