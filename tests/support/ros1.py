@@ -182,13 +182,17 @@ class Ros:
             each.__exit__()
 
 
+LEAST = 100.0
+"""[Hz] The least rate that a robot's controllers may have, on a machine with much else to do."""
+USUAL = 200.0
+"""[Hz] Their default."""
 _MASTERS: dict[str, str] = {}
 _RUNNING: dict[str, Process] = {}
 """By endpoint: a second node of its name would have the master send the first one away."""
 
 
 def robot(
-    start: Callable[..., Process], endpoint: str, name: str = "tiago", host: str = "127.0.0.1"
+    start: Callable[..., Process], endpoint: str, name: str = "tiago", host: str = "127.0.0.1", rate: float = LEAST
 ) -> Mapping[str, str]:
     """Starts a simulated TIAGo under ROS 1, with a master of its own, whose world is on the bus of a router.
 
@@ -197,6 +201,7 @@ def robot(
         endpoint: of the router.
         name: of the robot to which the world belongs on that bus; another one than the bridge's keeps to itself.
         host: address of this machine by which others reach it.
+        rate: of its controllers [Hz]; the default is right where their share of the delay does not matter.
 
     Returns:
         The environment of whoever is to find it; a robot that is there already stays.
@@ -205,8 +210,8 @@ def robot(
     uri = _MASTERS.setdefault(endpoint, f"http://{host}:{free_port()}")
     environment = {"ROS_MASTER_URI": uri, "ROS_IP": host}
     if endpoint not in _RUNNING or not _RUNNING[endpoint].running:
-        # Without a panel and at its least rate: the robot has to keep its pace on a slow machine.
-        options = ("--robot", name, "--connect", endpoint, '--set=scene="load"', "--set=control_rate=100.0")
+        # Without a panel: the robot has to keep its pace on a slow machine.
+        options = ("--robot", name, "--connect", endpoint, '--set=scene="load"', f"--set=control_rate={rate}")
         _RUNNING[endpoint] = start("services.ros_robot", *options, environment=environment)
         # A node waits for its master in whatever starts it.
         eventually(lambda: _answers(uri), 60.0, f"a master at {uri}")
