@@ -11,6 +11,7 @@ from shared.parameters import Parameters, Vector3, Vector6, check_range, option,
 LawName = Literal["certified", "paper", "stiffness"]
 _OF_CERTIFIED = (
     "contact_stiffness", "contact_reach", "contact_friction", "zones", "reserve", "yield_start", "payload_mass",
+    "max_retreat_acceleration",
 )  # fmt: skip
 _IGNORED: dict[str, tuple[str, ...]] = {
     "certified": ("barrier_rate", "spring_stiffness"),
@@ -69,6 +70,14 @@ class ControllerParameters(Parameters):
         1e4,
         "of speeding up, tool axes; slowing down is never limited",
     )
+    max_retreat_acceleration: Vector6 = parameter(
+        (10.0, 10.0, 10.0, 20.0, 20.0, 20.0),
+        "m/s2, rad/s2",
+        0.01,
+        1e4,
+        "of giving way, where that is more than max_acceleration; without effect if there is a payload_mass, whose "
+        "inertia would look like a force",
+    )
 
     def check(self) -> None:
         """Refuse zones beyond the ranges of the first one, which is given by ``contact_*``."""
@@ -82,6 +91,14 @@ class ControllerParameters(Parameters):
         """What was set and has no effect under the law, in words; empty if all has."""
         names = [name for name in _IGNORED[self.law] if name in self.model_fields_set]
         return f"without effect under law {self.law}: {', '.join(names)}" if names else ""
+
+    @property
+    def retreat_acceleration(self) -> Vector6:
+        """(6,) [m/s2, rad/s2], tool axes, of giving way."""
+        if self.payload_mass > 0.0:
+            return self.max_acceleration
+        x, y, z, a, b, c = map(max, self.max_acceleration, self.max_retreat_acceleration)
+        return x, y, z, a, b, c
 
     @property
     def premises(self) -> tuple[object, ...]:

@@ -173,7 +173,7 @@ class CertifiedLaw(Law):
         if y is None:
             self.y, self._y_speeds = _NO_YIELDING, _ZERO
             return False
-        reach = self.speed_box.reach
+        reach = self.speed_box.retreat_reach()
         if yielding.moved:
             self.y = np.clip(y, -reach[GROW], reach[FALL])
             self._y_speeds = directed(self.y)
@@ -216,8 +216,8 @@ class CertifiedLaw(Law):
         """
         qp, rows, upper = self.qp, self.rows, self._upper
         free = self.speed_box.reach
-        if yields:  # what y does not use; y against a direction frees none of it
-            free = free - self._y_speeds
+        if yields:  # what y does not use; y against a direction frees none of it, and y alone may be beyond it
+            free = np.maximum(free - self._y_speeds, 0.0)
         np.minimum(rows.reserved, free, out=upper)
         self._right[:] = rows.room
         if min(upper.tolist()) < CLOSED:

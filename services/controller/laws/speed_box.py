@@ -25,11 +25,18 @@ def rotated_limits(rotation: Array, limits: ArrayLike) -> Array:
     return np.minimum(fit, 1.0) * box
 
 
+def _with_margin(acceleration: ArrayLike) -> tuple[Array, Array]:
+    """Limits (3, 2) and margin (2,) that keep the box inside the tool's for every attitude closer than ``_TURN``."""
+    limits = np.array(acceleration).reshape((2, 3)).T
+    margin = math.sqrt(3.0) * _TURN * limits.max(axis=0)
+    return limits / (1.0 + 2.0 * margin / limits.min(axis=0)), margin
+
+
 class SpeedBox:
     """The box ``-reach[:6] <= v <= reach[6:]`` in base axes, which always contains 0.
 
     Speeding up is limited, slowing down never is: from the last command the box reaches to zero and, by
-    ``max_acceleration`` times the interval, beyond it.
+    ``max_acceleration`` times the interval, beyond it. The box of what gives way reaches farther.
 
     Attributes:
         reach: (12,) largest speeds [m/s, rad/s] in the twelve directions (see ``TravelInFlight``).
@@ -40,7 +47,8 @@ class SpeedBox:
 
     def __init__(self, parameters: ControllerParameters) -> None:
         self.reach = np.zeros(12)
-        self._acceleration = np.zeros(12)
+        self._acceleration, self._retreat = np.zeros(12), np.zeros(12)
+        self._before, self._interval = self.reach, 0.0
         self._turned = np.zeros((3, 3))
         self._difference = self._turned.ravel()
         self.configure(parameters)
@@ -50,12 +58,11 @@ class SpeedBox:
         self._linear, self._angular = parameters.max_linear, parameters.max_angular
         self.speed = [self._linear] * 3 + [self._angular] * 3
         self._speed = np.array(self.speed * 2)
-        # Columns: linear, angular. The safety keeps the box inside the tool's for every attitude closer than _TURN.
-        limits = np.array(parameters.max_acceleration).reshape((2, 3)).T
-        margin = math.sqrt(3.0) * _TURN * limits.max(axis=0)
-        self._limits = limits / (1.0 + 2.0 * margin / limits.min(axis=0))
+        # Columns: linear, angular.
+        self._limits, margin = _with_margin(parameters.max_acceleration)
+        self._retreat_limits, _ = _with_margin(parameters.retreat_acceleration)
         self.payload = parameters.payload_mass > 0.0
-        self._inertia = parameters.payload_mass * limits[:, 0]
+        self._inertia = parameters.payload_mass * np.array(parameters.max_acceleration[:3])
         self._inertial_margin = parameters.payload_mass * margin[0]
         self._period = parameters.period
         self._rotation = np.full((3, 3), np.inf)
@@ -73,14 +80,20 @@ class SpeedBox:
         np.subtract(rotation, self._rotation, self._turned)
         if not difference.dot(difference) < _TURN**2:
             self._turn_to(rotation)
+        self._before, self._interval = speeds, dt if dt < self._period else self._period
         reach = self.reach
-        np.multiply(self._acceleration, dt if dt < self._period else self._period, reach)
+        np.multiply(self._acceleration, self._interval, reach)
         np.add(reach, speeds, reach)
         np.minimum(reach, self._speed, out=reach)
+
+    def retreat_reach(self) -> Array:
+        """Largest speeds (12,) [m/s, rad/s] of what gives way, after ``update``, whose ``speeds`` are unchanged."""
+        return np.minimum(self._before + self._interval * self._retreat, self._speed)
 
     def _turn_to(self, rotation: Array) -> None:
         self._rotation = rotation.copy()
         self._acceleration.reshape((2, 2, 3))[:] = rotated_limits(rotation, self._limits).T
+        self._retreat.reshape((2, 2, 3))[:] = rotated_limits(rotation, self._retreat_limits).T
         if self.payload:
             self.inertial_force[:3] = np.abs(rotation).dot(self._inertia) + self._inertial_margin
 

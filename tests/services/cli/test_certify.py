@@ -38,6 +38,7 @@ spring_stiffness = [41.0, 42.0, 43.0, 11.0, 12.0, 13.0]
 max_linear = 0.8912345678
 max_angular = 1.912345678
 max_acceleration = [1.1, 1.2, 1.3, 1.4, 1.5, 1.6123456789]
+max_retreat_acceleration = [2.1, 2.2, 2.3, 2.4, 2.5, 2.6123456789]
 
 [[controller.zones]]
 stiffness = 1e5

@@ -126,7 +126,7 @@ def test_parameters_by_the_names_of_the_contract() -> None:
     names = {
         "law", "lyapunov_rate", "relaxation_weight", "barrier_rate", "contact_stiffness", "contact_reach",
         "contact_friction", "zones", "reserve", "yield_start", "period", "delay", "lag", "payload_mass",
-        "spring_stiffness", "max_linear", "max_angular", "max_acceleration",
+        "spring_stiffness", "max_linear", "max_angular", "max_acceleration", "max_retreat_acceleration",
     }  # fmt: skip
     table = Rig().ask()["parameters"]
     assert set(table) == names

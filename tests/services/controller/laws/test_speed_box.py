@@ -53,6 +53,30 @@ def test_speeding_up_is_limited_and_slowing_down_is_not() -> None:
     assert np.all(box.reach >= 0.0)
 
 
+RETREAT = (5.0, 1.0, 5.0, 8.0, 8.0, 8.0)
+
+
+def test_what_gives_way_speeds_up_faster_but_never_slower_than_declared_for_the_rest() -> None:
+    box = box_after(np.zeros(12), max_retreat_acceleration=RETREAT)
+    assert box.retreat_reach()[6:] == pytest.approx([0.05, 0.02, 0.05, 0.08, 0.08, 0.08], rel=0.1)
+    assert np.all(box_after(np.full(12, 0.24), max_retreat_acceleration=RETREAT).retreat_reach()[:3] <= 0.25)
+
+
+def test_what_gives_way_with_a_payload_moves_it_no_faster() -> None:
+    box = box_after(np.zeros(12), max_retreat_acceleration=RETREAT, payload_mass=1.0)
+    assert box.retreat_reach() == pytest.approx(box.reach)
+
+
+@given(turn=vectors, ahead=vectors)
+def test_the_box_of_what_gives_way_lies_within_the_tools_too(turn: tuple, ahead: tuple) -> None:
+    box = SpeedBox(ControllerParameters.of({"max_retreat_acceleration": RETREAT}))
+    box.update(rotation_from_vector(turn), np.zeros(12), 0.01)
+    nearby = rotation_from_vector(np.array(turn) + 1e-4 * np.array(ahead))
+    box.update(nearby, np.zeros(12), 0.01)
+    corners = np.array(list(itertools.product((-1, 1), repeat=3))) * box.retreat_reach()[:3]
+    assert np.all(np.abs(corners @ nearby) <= 0.01 * np.maximum(RETREAT[:3], 2.0) * (1 + 1e-9))
+
+
 def test_box_never_exceeds_the_speed_limits() -> None:
     box = box_after(np.full(12, 0.24), dt=0.02)
     assert np.all(box.reach[:3] <= 0.25) and np.all(box.reach[3:6] <= 0.5)
