@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import copy
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
-from benchmarks.carry.person import Manner, script
+from benchmarks.carry.person import Habit, Manner, script
 from services.experiment.carry import carry_protocol as protocol
 from services.experiment.play.course import Run
 from shared.spatial import GRAVITY
@@ -37,6 +37,19 @@ KINDS = (
     "drops his end",
 )
 """The kind of case number n is the one at n modulo their number."""
+HARDER_KINDS = (
+    "jerks",
+    "hesitates",
+    "corrects",
+    "hurries",
+    "twice as stiff",
+    "half as stiff",
+    "drops his end",
+    "lets go first",
+)
+"""The same of the sweep with harder people."""
+STIFFNESS = {"twice as stiff": 2.0, "half as stiff": 0.5}
+"""Of the person's arms, over what the controller is told."""
 UNEXPECTED_GROUND = 0.1
 """How much lower or higher than the task was told the ground is [m]."""
 RUBBER = 0.9
@@ -68,9 +81,16 @@ class Case:
     drawn: dict[str, Any] = field(default_factory=dict)
 
 
-def case(seed: int, overrides: Changes | None = None) -> Case:
-    """The carry of a seed; ``overrides`` take the place of what the services were set to."""
-    kind = KINDS[seed % len(KINDS)]
+def case(seed: int, overrides: Changes | None = None, harder: bool = False) -> Case:
+    """The carry of a seed.
+
+    Args:
+        seed: of all that is drawn.
+        overrides: take the place of what the services were set to.
+        harder: with a person of ``HARDER_KINDS``; panel, sensors and the rest are those of the same seed.
+    """
+    kinds = HARDER_KINDS if harder else KINDS
+    kind = kinds[seed % len(kinds)]
     draw = np.random.default_rng(seed)
     mass = 2.5 if kind == "2.5 kg" else _between(draw, 1.0, 2.5)
     told = mass * _between(draw, 0.8, 1.2) if draw.random() < 0.5 else mass
@@ -79,6 +99,8 @@ def case(seed: int, overrides: Changes | None = None) -> Case:
     base = "none" if kind == "arm only" else ("omni", "differential")[int(draw.integers(2))]
     law = "paper" if kind == "paper" else "certified"
     manner = Manner.drawn(draw, arm_only=base == "none", kind=kind)
+    if harder:
+        manner = replace(manner, habit=Habit.drawn(np.random.default_rng((seed, 1)), kind))
     from_edge, aside = _between(draw, 0.20, 0.30), _between(draw, -0.05, 0.05)
     expected_ground = _between(draw, -0.03, 0.03)
     if kind == "ground lower":
@@ -103,6 +125,7 @@ def case(seed: int, overrides: Changes | None = None) -> Case:
         "ft_bias": [_between(draw, -3.0, 3.0) for _ in range(3)] + [_between(draw, -0.2, 0.2) for _ in range(3)],
         "person_force": _between(draw, 40.0, 80.0),
         "person_torque": 5.0 if kind == "weak person" else _between(draw, 12.0, 20.0),
+        "person_stiffness": STIFFNESS.get(kind, 1.0) * protocol.CONTACT_STIFFNESS,
     }
     task = {
         "panel_mass": told,

@@ -74,7 +74,7 @@ def play(chosen: Case) -> Played:
     return Played(chosen, verdict, events, witness.seen())
 
 
-def verdict_of(seed: int, overrides: Changes) -> tuple[Case, Verdict]:
+def verdict_of(seed: int, overrides: Changes, harder: bool) -> tuple[Case, Verdict]:
     """The case of a seed and the verdict on it: what was seen stays in the process that played it, it is large."""
-    played = play(case(seed, overrides))
+    played = play(case(seed, overrides, harder))
     return played.case, played.verdict

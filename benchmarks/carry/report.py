@@ -9,7 +9,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.carry.cases import KINDS, Case
+from benchmarks.carry.cases import HARDER_KINDS, KINDS, Case
 from benchmarks.carry.judge import Verdict
 from benchmarks.carry.play import Played
 from services.experiment.carry.excess import AXES
@@ -54,7 +54,7 @@ def show(results: Sequence[Result], took: float, jobs: int) -> None:
     table.add_column("kind")
     for column in _row(verdicts):
         table.add_column(column, justify="right")
-    for kind in (*dict.fromkeys(KINDS), "all"):
+    for kind in (*dict.fromkeys((*KINDS, *HARDER_KINDS)), "all"):
         chosen = [verdict for case, verdict in results if kind in ("all", case.kind)]
         if chosen:
             table.add_row(kind, *_row(chosen).values())

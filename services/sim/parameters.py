@@ -87,6 +87,9 @@ class WorldParameters(Parameters):
     )
     person_force: float = parameter(60.0, "N", 0.0, 200.0, "largest force of the person's hands")
     person_torque: float = parameter(20.0, "Nm", 0.0, 50.0, "largest torque of the person's hands")
+    person_stiffness: float = parameter(
+        500.0, "N/m", 50.0, 5000.0, "of the person's arms; about an axis 0.08 Nm/rad for each N/m"
+    )
     marker_id: int = parameter(7, "", 0, 49, "of the ArUco marker (DICT_4X4_50)")
     marker_size: float = parameter(0.15, "m", 0.02, 0.5, "printed width of the marker's black square")
     marker_position: tuple[float, float] = parameter(
@@ -121,7 +124,7 @@ class WorldParameters(Parameters):
             self.panel_position,
             self.panel_yaw,
         )
-        return PanelSceneSpec(panel, self.grip_friction, self.person_force, self.person_torque)
+        return PanelSceneSpec(panel, self.grip_friction, self.person_force, self.person_torque, self.person_stiffness)
 
     def scenery(self) -> Scenery:
         """What the camera sees that does not change."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.carry.cases import KINDS, case
+from benchmarks.carry.cases import HARDER_KINDS, KINDS, case
 from benchmarks.carry.judge import Verdict, good_enough, judge
 from benchmarks.carry.report import headline
 from services.sim.parameters import SimParameters
@@ -152,3 +152,45 @@ def test_a_setting_from_outside_takes_the_place_of_the_case_s_own() -> None:
     changed = case(3, {"controller": {"period": 0.04}, "base": {"mass": 20.0}}).run.settings
     assert changed["controller"]["period"] == 0.04 and changed["base"] == {"mass": 20.0}
     assert changed["sim"] == case(3).run.settings["sim"]
+
+
+def moved(seed: int, **how: Any) -> dict[str, np.ndarray]:
+    """Where the person's movements lead in the end, by what they are."""
+    phases = read(case(seed, **how).script)
+    return {
+        "move": sum((phase.by for phase in phases if phase.do == "move"), np.zeros(3)),
+        "turn": np.array(sum(phase.angle for phase in phases if phase.do == "turn")),
+    }
+
+
+MOVING = ("jerks", "hesitates", "corrects", "hurries")
+
+
+def varied(kind: str) -> int:
+    """A seed with a harder person of a kind where the usual sweep has nothing special."""
+    number = HARDER_KINDS.index(kind)
+    return next(seed for seed in range(number, 200, len(HARDER_KINDS)) if KINDS[seed % len(KINDS)] == "varied")
+
+
+@pytest.mark.parametrize("kind", HARDER_KINDS)
+def test_harder_people_want_the_same_in_another_way(kind: str) -> None:
+    seed = varied(kind)
+    as_usual, harder = case(seed), case(seed, harder=True)
+    assert harder.kind == kind and harder == case(seed, harder=True)
+    stiffness = {"twice as stiff": 1000.0, "half as stiff": 250.0}.get(kind, 500.0)
+    assert SimParameters.of(harder.run.settings["sim"]).person_stiffness == stiffness
+    assert SimParameters.of(as_usual.run.settings["sim"]).person_stiffness == 500.0
+    if kind != "drops his end":
+        for name, way in moved(seed).items():
+            assert moved(seed, harder=True)[name] == pytest.approx(way)
+    if kind not in ("drops his end", "lets go first"):
+        assert (harder.script != as_usual.script) == (kind in MOVING)
+
+
+def test_what_makes_them_harder_is_in_the_script() -> None:
+    jerks, hesitates, corrects, hurries = (read(case(varied(kind), harder=True).script) for kind in MOVING)
+    usual = [read(case(varied(kind)).script) for kind in MOVING]
+    assert len(jerks) > 3 * len(usual[0]) and max(p.speed for p in jerks) > 2.5 * max(p.speed for p in usual[0])
+    assert len(hesitates) > len(usual[1]) and {p.speed for p in hesitates} == {p.speed for p in usual[1]}
+    assert sum(p.angle < 0 for p in corrects) > sum(p.angle < 0 for p in usual[2])
+    assert len(hurries) == len(usual[3]) and max(p.speed for p in hurries) > 2.5 * max(p.speed for p in usual[3])

@@ -79,9 +79,10 @@ _CONTROLLER: dict[str, Any] = {
     "period": 0.03,
     "delay": 0.03,
 }
+CONTACT_STIFFNESS = 500.0  # [N/m], of a person's two arms
 _LAW: dict[str, dict[str, Any]] = {
     # A person's two arms at the far end of the panel, which is as wide along the tool's z axis as it is long along x.
-    "certified": {"yield_start": 0.8, "contact_stiffness": 500.0, "contact_reach": [1.2, 0.05, 0.3]},
+    "certified": {"yield_start": 0.8, "contact_stiffness": CONTACT_STIFFNESS, "contact_reach": [1.2, 0.05, 0.3]},
     "paper": {"barrier_rate": [1.0] * 3 + [10.0] * 3},
     "stiffness": {"spring_stiffness": [40.0] * 3 + [10.0] * 3},
 }

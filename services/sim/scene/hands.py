@@ -10,7 +10,7 @@ from services.sim.scene.panel import Panel
 from shared.spatial import Array, cross, rotation_from_vector, rotation_vector
 
 STIFFNESS, ANGULAR_STIFFNESS = 500.0, 40.0
-"""[N/m, Nm/rad] Of the arms, as in the quick model of the carry (docs/task.md)."""
+"""[N/m, Nm/rad] Of the arms, as in the quick model of the carry (docs/task.md); both grow and fall together."""
 DAMPING_RATIO = 0.7  # [1] of the arms, as in the quick model of the carry
 INSET = 0.03  # [m] from the edge, where the hands hold it; an assumption: half a palm
 
@@ -29,9 +29,11 @@ class Hands:
     Args:
         strength: largest force [N].
         torque_strength: largest torque [Nm].
+        stiffness: of the arms [N/m].
     """
 
-    def __init__(self, strength: float, torque_strength: float) -> None:
+    def __init__(self, strength: float, torque_strength: float, stiffness: float = STIFFNESS) -> None:
+        self._stiffness, self._angular_stiffness = stiffness, ANGULAR_STIFFNESS * stiffness / STIFFNESS
         self._strength = strength
         self._torque_strength = torque_strength
         self.holding = False
@@ -78,11 +80,11 @@ class Hands:
             return self.force, self.torque
         arm = self.place - body.position
         damping, angular = self._damping(panel)
-        stiff, damped = body.followed(ANGULAR_STIFFNESS, angular, dt)
+        stiff, damped = body.followed(self._angular_stiffness, angular, dt)
         wanted = (self.position - self._before[0]) / dt
         turning = rotation_vector(self.rotation.dot(self._before[1].T)) / dt
         self._before = self.position, self.rotation
-        pull = STIFFNESS * (self.position - self.place)
+        pull = self._stiffness * (self.position - self.place)
         turned = body.rotation
         twist = turned.dot(stiff * turned.T.dot(rotation_vector(self.rotation.dot(turned.T))))
         self.strain = float(np.linalg.norm(pull)), float(np.linalg.norm(twist))
@@ -97,14 +99,13 @@ class Hands:
     def _on(panel: Panel) -> Array:
         return panel.body.position + (panel.half[0] - INSET) * panel.body.rotation[:, 0]
 
-    @staticmethod
-    def _damping(panel: Panel) -> tuple[float, float]:
+    def _damping(self, panel: Panel) -> tuple[float, float]:
         """[Ns/m, Nms/rad], for the half of the panel that each end carries."""
         mass = 0.5 * panel.body.mass
         inertia = mass * panel.half[0] ** 2 / 3.0
         return (
-            2.0 * DAMPING_RATIO * math.sqrt(STIFFNESS * mass),
-            2.0 * DAMPING_RATIO * math.sqrt(ANGULAR_STIFFNESS * inertia),
+            2.0 * DAMPING_RATIO * math.sqrt(self._stiffness * mass),
+            2.0 * DAMPING_RATIO * math.sqrt(self._angular_stiffness * inertia),
         )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from services.sim.robot.gripper import Gripper
 from services.sim.scene.grip import Grip, about_tool, locate
-from services.sim.scene.hands import Hands
+from services.sim.scene.hands import STIFFNESS, Hands
 from services.sim.scene.panel import Panel, PanelSpec
 from services.sim.scene.person import Person
 from shared.spatial import Array, cross
@@ -22,12 +22,14 @@ class PanelSceneSpec:
         panel: the panel.
         grip_friction: coefficient between the fingers' pads and the panel.
         person_force, person_torque: largest force [N] and torque [Nm] of the person.
+        person_stiffness: of the person's arms [N/m].
     """
 
     panel: PanelSpec
     grip_friction: float
     person_force: float = 60.0
     person_torque: float = 20.0
+    person_stiffness: float = STIFFNESS
 
 
 @dataclass(frozen=True)
@@ -65,10 +67,11 @@ class PanelScene:
 
     def reset(self) -> None:
         """Back to the start."""
-        self.panel = Panel(self._spec.panel)
-        self.person = Person(Hands(self._spec.person_force, self._spec.person_torque))
+        spec = self._spec
+        self.panel = Panel(spec.panel)
+        self.person = Person(Hands(spec.person_force, spec.person_torque, spec.person_stiffness))
         self.covered = False
-        self._grip = Grip(self._spec.grip_friction, self.panel.body, self._step)
+        self._grip = Grip(spec.grip_friction, self.panel.body, self._step)
 
     def advance(self, tool: Tool, gripper: Gripper) -> tuple[Array, Array] | None:
         """One physics step; force (3,) [N] and torque about the tool's origin (3,) [Nm] on the tool, tool axes."""
