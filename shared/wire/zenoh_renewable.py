@@ -89,8 +89,8 @@ class Renewable:
             self._publishers = {}
             self._declared = dict.fromkeys(self._declared)
         if session is not None:
-            # What is still being handed over may ask for the lock. To a router that hangs Zenoh says goodbye for up to
-            # ten seconds, which can change nothing any more.
+            # What is still being handed over may ask for the lock. Where a router hangs Zenoh waits until it has given
+            # up dialling it, ten seconds (findings/zenoh-close-hung-router.sh).
             ending = threading.Thread(target=_close, args=(session,), name="close", daemon=True)
             ending.start()
             ending.join(_GOODBYE)
@@ -103,5 +103,5 @@ class Renewable:
 
 
 def _close(session: zenoh.Session) -> None:
-    with suppress(zenoh.ZError):  # the goodbye was not taken in time
+    with suppress(zenoh.ZError):  # it did not end in time
         session.close()
