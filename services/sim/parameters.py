@@ -8,6 +8,7 @@ from typing import Any, Literal
 from pydantic import model_validator
 
 from services.sim.camera.view import Scenery
+from services.sim.scene.hands import STIFFNESS
 from services.sim.scene.panel import PanelSpec
 from services.sim.scene.panel_scene import PanelSceneSpec
 from shared.parameters import Parameters, Refused, Vector3, Vector6, option, parameter
@@ -88,7 +89,7 @@ class WorldParameters(Parameters):
     person_force: float = parameter(60.0, "N", 0.0, 200.0, "largest force of the person's hands")
     person_torque: float = parameter(20.0, "Nm", 0.0, 50.0, "largest torque of the person's hands")
     person_stiffness: float = parameter(
-        500.0, "N/m", 50.0, 5000.0, "of the person's arms; about an axis 0.08 Nm/rad for each N/m"
+        STIFFNESS, "N/m", 50.0, 5000.0, "of the person's arms; about an axis 0.08 Nm/rad for each N/m"
     )
     marker_id: int = parameter(7, "", 0, 49, "of the ArUco marker (DICT_4X4_50)")
     marker_size: float = parameter(0.15, "m", 0.02, 0.5, "printed width of the marker's black square")

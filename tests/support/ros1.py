@@ -16,6 +16,7 @@ import pytest
 from services.bridge_ros1 import controller_manager as manager
 from services.bridge_ros1.debian import MASTER, NEEDED, find_rospy
 from services.bridge_ros1.names import message_class
+from services.ros_robot.parameters import RosRobotParameters
 from shared.parameters import Refused
 from tests.support.elsewhere import Elsewhere
 from tests.support.ports import free_port
@@ -184,8 +185,7 @@ class Ros:
 
 LEAST = 100.0
 """[Hz] The least rate that a robot's controllers may have, on a machine with much else to do."""
-USUAL = 200.0
-"""[Hz] Their default."""
+USUAL: float = RosRobotParameters.model_fields["control_rate"].default  # [Hz]
 _MASTERS: dict[str, str] = {}
 _RUNNING: dict[str, Process] = {}
 """By endpoint: a second node of its name would have the master send the first one away."""

@@ -16,11 +16,10 @@ from shared.topics import STATE_ROBOT, STOP
 from tests.conftest import Router, StartProcess
 from tests.support import ros1
 from tests.support.stand_in import StandIn
-from tests.support.verdicts import failed
+from tests.support.verdicts import FAILED, NOT_JUDGED, PASSED, failed
 from tests.support.wait import eventually
 
 pytestmark = [pytest.mark.processes, pytest.mark.slow, pytest.mark.timeout(600)]
-PASSED, FAILED, NOT_JUDGED = 0, 1, 4
 
 
 def test_no_claim_fails_through_a_bridge_and_ros_1(start: StartProcess, router: Router, tmp_path: Path) -> None:

@@ -17,14 +17,13 @@ from shared.wire.client import Client
 from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
 from tests.support import ros1, ros2
-from tests.support.verdicts import failed
+from tests.support.verdicts import FAILED, NOT_JUDGED, PASSED, failed
 from tests.support.wait import eventually, throughout
 
 pytestmark = [pytest.mark.processes, pytest.mark.slow, pytest.mark.timeout(300)]
 RUN = "certified-100"
 READY = 60.0  # [s]
 PLAYED = 150.0  # [s]
-PASSED, FAILED, NOT_JUDGED = 0, 1, 4
 
 
 def test_no_claim_of_the_load_experiment_fails(router: Router, start: StartProcess, tmp_path: Path) -> None:

@@ -173,7 +173,7 @@ class CertifiedLaw(Law):
         if y is None:
             self.y, self._y_speeds = _NO_YIELDING, _ZERO
             return False
-        reach = self.speed_box.retreat_reach()
+        reach = self.speed_box.retreat_reach(self.travel.speeds, dt)
         if yielding.moved:
             self.y = np.clip(y, -reach[GROW], reach[FALL])
             self._y_speeds = directed(self.y)

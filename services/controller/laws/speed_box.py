@@ -48,7 +48,6 @@ class SpeedBox:
     def __init__(self, parameters: ControllerParameters) -> None:
         self.reach = np.zeros(12)
         self._acceleration, self._retreat = np.zeros(12), np.zeros(12)
-        self._before, self._interval = self.reach, 0.0
         self._turned = np.zeros((3, 3))
         self._difference = self._turned.ravel()
         self.configure(parameters)
@@ -80,15 +79,16 @@ class SpeedBox:
         np.subtract(rotation, self._rotation, self._turned)
         if not difference.dot(difference) < _TURN**2:
             self._turn_to(rotation)
-        self._before, self._interval = speeds, dt if dt < self._period else self._period
-        reach = self.reach
-        np.multiply(self._acceleration, self._interval, reach)
-        np.add(reach, speeds, reach)
-        np.minimum(reach, self._speed, out=reach)
+        self._reach_by(self._acceleration, speeds, dt, self.reach)
 
-    def retreat_reach(self) -> Array:
-        """Largest speeds (12,) [m/s, rad/s] of what gives way, after ``update``, whose ``speeds`` are unchanged."""
-        return np.minimum(self._before + self._interval * self._retreat, self._speed)
+    def retreat_reach(self, speeds: Array, dt: float) -> Array:
+        """Largest speeds (12,) [m/s, rad/s] of what gives way, for the attitude and arguments of ``update``."""
+        return self._reach_by(self._retreat, speeds, dt, np.empty(12))
+
+    def _reach_by(self, acceleration: Array, speeds: Array, dt: float, reach: Array) -> Array:
+        np.multiply(acceleration, dt if dt < self._period else self._period, reach)
+        np.add(reach, speeds, reach)
+        return np.minimum(reach, self._speed, out=reach)
 
     def _turn_to(self, rotation: Array) -> None:
         self._rotation = rotation.copy()

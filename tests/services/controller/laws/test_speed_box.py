@@ -58,13 +58,13 @@ RETREAT = (5.0, 1.0, 5.0, 8.0, 8.0, 8.0)
 
 def test_what_gives_way_speeds_up_faster_but_never_slower_than_declared_for_the_rest() -> None:
     box = box_after(np.zeros(12), max_retreat_acceleration=RETREAT)
-    assert box.retreat_reach()[6:] == pytest.approx([0.05, 0.02, 0.05, 0.08, 0.08, 0.08], rel=0.1)
-    assert np.all(box_after(np.full(12, 0.24), max_retreat_acceleration=RETREAT).retreat_reach()[:3] <= 0.25)
+    assert box.retreat_reach(np.zeros(12), 0.01)[6:] == pytest.approx([0.05, 0.02, 0.05, 0.08, 0.08, 0.08], rel=0.1)
+    assert np.all(box.retreat_reach(np.full(12, 0.24), 0.01)[:3] <= 0.25)
 
 
 def test_what_gives_way_with_a_payload_moves_it_no_faster() -> None:
     box = box_after(np.zeros(12), max_retreat_acceleration=RETREAT, payload_mass=1.0)
-    assert box.retreat_reach() == pytest.approx(box.reach)
+    assert box.retreat_reach(np.zeros(12), 0.01) == pytest.approx(box.reach)
 
 
 @given(turn=vectors, ahead=vectors)
@@ -73,7 +73,7 @@ def test_the_box_of_what_gives_way_lies_within_the_tools_too(turn: tuple, ahead:
     box.update(rotation_from_vector(turn), np.zeros(12), 0.01)
     nearby = rotation_from_vector(np.array(turn) + 1e-4 * np.array(ahead))
     box.update(nearby, np.zeros(12), 0.01)
-    corners = np.array(list(itertools.product((-1, 1), repeat=3))) * box.retreat_reach()[:3]
+    corners = np.array(list(itertools.product((-1, 1), repeat=3))) * box.retreat_reach(np.zeros(12), 0.01)[:3]
     assert np.all(np.abs(corners @ nearby) <= 0.01 * np.maximum(RETREAT[:3], 2.0) * (1 + 1e-9))
 
 
