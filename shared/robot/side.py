@@ -125,7 +125,7 @@ class RobotSide:
         self._told_held = 0
         self._until_report = 0.0
 
-    def take(self, inputs: Inputs, behind: float = 0.0, pressed: bool = False) -> None:
+    def take(self, inputs: Inputs, behind: float = 0.0, pressed: bool = False, releasable: bool = True) -> None:
         """Take over what is new: each command once, a stop at once.
 
         A stop engages whatever its publisher thinks of itself; only a valid message releases it. What is asked of
@@ -138,9 +138,10 @@ class RobotSide:
             behind: time [s] before now at which the next ``advance`` begins, for a process that goes through the time
                 since its last step in several ones: a command acts from that one on in which it arrived.
             pressed: whether an enabling device of the robot's own is pressed.
+            releasable: whether a release counts that comes now.
         """
         stop, before = inputs.get(STOP), self.mode
-        if stop is not None and stop.new and (stop.message.engaged or stop.header.valid):
+        if stop is not None and stop.new and (stop.message.engaged or (stop.header.valid and releasable)):
             self.gate.stop(stop.message.engaged, stop.message.reason)
             self.base_gate.stop(stop.message.engaged)
         self._pending.take(inputs, behind)

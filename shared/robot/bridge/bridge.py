@@ -21,7 +21,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from shared.clock import Clock, SteadyClock, seconds
+from shared.clock import Clock, SteadyClock, nanoseconds, seconds
 from shared.faults import Fault
 from shared.messages import BaseState
 from shared.robot.base_gate import BaseLimits
@@ -44,6 +44,8 @@ P = TypeVar("P", bound=BridgeParameters)
 
 STALLED = 0.25
 """[s] between two steps after which the robot is at rest, and stays so."""
+RELEASES_KEPT = 0.5
+"""[s] after such a pause in which a release may be one that was kept on the way: whoever gave it did not see the robot."""
 JUST_STARTED = "the bridge has just started"
 READ_ONLY = "read-only: this bridge watches, and commands nothing"
 _MISSED = 2.5  # periods of joint states after which some are missing
@@ -113,6 +115,7 @@ class Bridge(Service[P]):
         )
         self._blind_after = max(HORIZON, _MISSED / profile.joints.rate)
         self._last = self._clock.now_ns()
+        self._woke = self._last - nanoseconds(RELEASES_KEPT)
         self._known = False
         self._cause = ""
         self._lines: tuple[str, ...] = ()
@@ -124,7 +127,8 @@ class Bridge(Service[P]):
         now, passed = self._passed()
         self._watch.look(self.far, now)
         stopped = self.side.mode == "stopped"
-        self.side.take(inputs, pressed=self._pressed(now))
+        awake = seconds(now - self._woke) >= RELEASES_KEPT
+        self.side.take(inputs, pressed=self._pressed(now), releasable=awake)
         freeze = self._guard(now, passed) or self.side.freeze
         if stopped and self.side.mode != "stopped":
             self._released()
@@ -170,6 +174,7 @@ class Bridge(Service[P]):
         """Engage the stop if something asks for it; whether that has just happened."""
         self._cause = self._asks_for_a_stop(now, passed)
         if passed > STALLED:
+            self._woke = now
             self.side.base_gate.rest()
         if not self._cause or self.side.mode == "stopped":
             return False

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from shared.messages import BaseTwistCommand, GripperCommand, HeadCommand, Stop
-from shared.robot.bridge.bridge import STALLED
+from shared.robot.bridge.bridge import RELEASES_KEPT, STALLED
 from shared.robot.bridge.motion import REST_WITHIN, SLACK
 from shared.robot.bridge.state import SILENT_AFTER
 from shared.topics import COMMAND_BASE_TWIST, COMMAND_GRIPPER, COMMAND_HEAD, STOP
@@ -102,6 +102,18 @@ def test_a_bridge_that_hung_does_not_go_on_by_itself() -> None:
     assert rig.status.mode == "stopped" and "the bridge stood still for 0." in rig.status.reason
     assert rig.robot.arm_speed == 0.0
     assert place[2] - rig.robot.tool[2] < 0.2 * REST_WITHIN
+
+
+def test_a_release_that_was_on_its_way_while_the_bridge_hung_is_none() -> None:
+    rig = moving()
+    rig.hang(STALLED + 0.1)
+    rig.drive(DOWN, RELEASES_KEPT - 0.2)
+    rig.release()  # within 0.2 s
+    rig.drive(DOWN, 0.5)
+    assert rig.status.mode == "stopped" and "the bridge stood still for 0." in rig.status.reason
+    rig.release()
+    rig.drive(DOWN, 0.5)
+    assert rig.status.mode == "ready" and rig.robot.arm_speed > 0.0
 
 
 def test_what_a_step_meant_before_it_hung_is_not_told_after_it(monkeypatch: pytest.MonkeyPatch) -> None:
