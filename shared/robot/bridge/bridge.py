@@ -45,7 +45,7 @@ P = TypeVar("P", bound=BridgeParameters)
 STALLED = 0.25
 """[s] between two steps after which the robot is at rest, and stays so."""
 RELEASES_KEPT = 0.5
-"""[s] after such a pause in which a release may be one that was kept on the way: whoever gave it did not see the robot."""
+"""[s] after such a pause in which a release counts for nothing: it may have waited on its way for long."""
 JUST_STARTED = "the bridge has just started"
 READ_ONLY = "read-only: this bridge watches, and commands nothing"
 _MISSED = 2.5  # periods of joint states after which some are missing
