@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import subprocess
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -42,16 +43,25 @@ class Compose:
         project: its name.
         override: a second file, whose words come after the first one's.
         root: folder of the compose file and of what the images are built of.
+        settings: in place of those in .env.
 
     Attributes:
         page: port of this machine on which the page is published; its picture is on the next one.
+        settings: what is in force in place of .env.
     """
 
-    def __init__(self, project: str, override: Path | None = None, root: Path = ROOT) -> None:
+    def __init__(
+        self,
+        project: str,
+        override: Path | None = None,
+        root: Path = ROOT,
+        settings: Mapping[str, str] | None = None,
+    ) -> None:
         files = ["-f", str(root / "docker-compose.yml"), *(["-f", str(override)] if override else [])]
         self._command = [*_compose(), "-p", project, *files]
         self.project = project
         self.page = free_pair()
+        self.settings = {"TANDEM_PAGE": f"{self.page}-{self.page + 1}", **(settings or {})}
 
     def __enter__(self) -> Compose:
         base = _done(str(ROOT / "deploy" / "base-image"), timeout=600.0)
@@ -65,8 +75,7 @@ class Compose:
 
     def run(self, *arguments: str, timeout: float = 120.0) -> subprocess.CompletedProcess[str]:
         """What a user types after `docker compose`."""
-        ports = {"TANDEM_PAGE": f"{self.page}-{self.page + 1}"}
-        return _done(*self._command, *arguments, timeout=timeout, environment=ports)
+        return _done(*self._command, *arguments, timeout=timeout, environment=self.settings)
 
     def do(self, *arguments: str, timeout: float = 120.0) -> str:
         """The same, which has to succeed; what it printed."""
