@@ -57,6 +57,7 @@ def findings(robot: str) -> Iterator[Finding]:
     yield machine.disk(Path("runs"))
     yield python()
     yield from extras()
+    yield machine.film()
     yield docker()
     yield machine.ros()
     yield certificate(robot)
@@ -81,7 +82,7 @@ def extras(lacks: Callable[[str], list[str]] = lacking) -> list[Finding]:
     for extra, processes in needed.items():
         if packages := lacks(extra):
             said = f"{', '.join(packages)} not installed, for {', '.join(processes)}"
-            values, remedy = {"extra": extra, "lacks": packages}, f"pip install 'tandem[{extra}]'"
+            values, remedy = {"extra": extra, "lacks": packages}, f"pip install '.[{extra}]' in its checkout"
             found.append(Finding("packages", "missing" if extra in USUAL else "warn", said, remedy, values))
     return found or [Finding("packages", "ok", "all that the processes need", values={"lacks": []})]
 

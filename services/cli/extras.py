@@ -28,7 +28,7 @@ def need(processes: Collection[str]) -> None:
     missing = {extra: packages for extra in extras if (packages := lacking(extra))}
     if missing:
         named = ", ".join(dict.fromkeys(package for found in missing.values() for package in found))
-        refuse(f"{named} not installed: pip install 'tandem[{','.join(missing)}]'")
+        refuse(f"{named} not installed: pip install '.[{','.join(missing)}]' in its checkout")
 
 
 def _installed(package: str) -> bool:

@@ -39,7 +39,7 @@ def missing(service: str, problem: ModuleNotFoundError) -> str:
     if package in ("", "services", "shared"):
         raise problem
     extra = process_named(service).extra
-    remedy = f"pip install 'tandem[{extra}]'" if extra else "install tandem with its dependencies"
+    remedy = f"pip install '.[{extra}]' in its checkout" if extra else "install tandem with its dependencies"
     if package == "pybullet" and sys.version_info >= (3, 12):
         remedy = f"it has no wheels above Python 3.11, and this is {sys.version_info[0]}.{sys.version_info[1]}"
     return f"needs {package}, which is not installed: {remedy}"

@@ -6,6 +6,7 @@ import os
 import shutil
 import socket
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -21,6 +22,9 @@ SLEEP, SLEEPS = 0.005, 100  # [s] of each of so many, to see how late the machin
 LATE = 0.01  # [s]: a period of the chain at its usual rate
 COARSE = 1e-6  # [s] of resolution; intervals of milliseconds are told apart
 SPACE = 1000.0  # [MB] on the disk: a recording of some minutes, or the runs of an experiment
+
+DRIVERS = tuple(Path(root, "vulkan", "icd.d") for root in ("/etc", "/usr/share", "/usr/local/share"))
+"""Where drivers of Vulkan are named."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +120,18 @@ def disk(folder: Path) -> Finding:
     said = f"{free / 1e3:.1f} GB free for {folder}"
     remedy = "make room: `make clean` removes runs/, --out and --most name another disk and less"
     return Finding("disk", "ok" if free >= SPACE else "warn", said, remedy if free < SPACE else "", values)
+
+
+def film(folders: Sequence[Path] = DRIVERS) -> Finding:
+    """Whether there is a driver of Vulkan, with which films of experiments are drawn."""
+    named = os.environ.get("VK_DRIVER_FILES") or os.environ.get("VK_ICD_FILENAMES") or ""
+    there = [name for name in named.split(":") if name]
+    there = there or sorted(path.name for folder in folders for path in folder.glob("*.json"))
+    values = {"drivers": there}
+    if there:
+        return Finding("film", "ok", f"driver of Vulkan: {', '.join(there)}", values=values)
+    remedy = "apt-get install mesa-vulkan-drivers, or say --no-film"
+    return Finding("film", "warn", "no driver of Vulkan, with which films are drawn", remedy, values)
 
 
 def stacks() -> list[Finding]:

@@ -39,7 +39,7 @@ class Page:
         if not wanted:
             return
         if packages := lacking(VIEWER.extra):
-            self._why = f"no page: {', '.join(packages)} not installed: pip install 'tandem[{VIEWER.extra}]'"
+            self._why = f"no page: {', '.join(packages)} not installed: pip install '.[{VIEWER.extra}]' in its checkout"
             return
         port = free_pair()
         if port is None:

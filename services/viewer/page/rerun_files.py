@@ -40,7 +40,7 @@ def files() -> Path:
     try:
         version = importlib.metadata.version("rerun-sdk")
     except importlib.metadata.PackageNotFoundError:
-        raise Missing("rerun-sdk is not installed: pip install 'tandem[viewer]'") from None
+        raise Missing("rerun-sdk is not installed: pip install '.[viewer]' in its checkout") from None
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     folder = cache / "tandem" / f"rerun-{version}"
     if not folder.is_dir():
@@ -81,7 +81,7 @@ def program() -> Path:
     for folder in (found.submodule_search_locations or ()) if found else ():
         if (path := Path(folder) / "rerun").exists():
             return path
-    raise Missing("rerun's own viewer is not installed: pip install 'tandem[viewer]'")
+    raise Missing("rerun's own viewer is not installed: pip install '.[viewer]' in its checkout")
 
 
 def _fetch() -> dict[str, bytes]:

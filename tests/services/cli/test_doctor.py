@@ -23,7 +23,7 @@ def test_every_line_is_judged_and_what_is_not_well_has_a_remedy(
     done = tandem_here(capsys, "doctor", "--json")
     found = json.loads(done.stdout)
     checks = {one["check"] for one in found["checks"]}
-    wanted = {"cores", "load", "clock", "port 7447", "port 9090", "disk", "Python", "packages", "Docker", "ROS"}
+    wanted = {"cores", "load", "clock", "port 7447", "port 9090", "disk", "Python", "packages", "film", "Docker", "ROS"}
     assert wanted | {"certificate", "stack"} <= checks
     for one in found["checks"]:
         assert bool(one["remedy"]) == (one["state"] != "ok"), one
@@ -62,10 +62,18 @@ def test_a_disk_that_is_full_or_closed_is_told(monkeypatch: pytest.MonkeyPatch, 
     assert machine.disk(tmp_path / "runs").state == "missing"
 
 
+def test_a_machine_that_draws_no_films_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    for name in ("VK_DRIVER_FILES", "VK_ICD_FILENAMES"):
+        monkeypatch.delenv(name, raising=False)
+    assert (machine.film([tmp_path]).state, machine.film([tmp_path / "none"]).state) == ("warn", "warn")
+    (tmp_path / "lvp_icd.json").touch()
+    assert machine.film([tmp_path]).said == "driver of Vulkan: lvp_icd.json"
+
+
 @pytest.mark.parametrize(("extra", "state"), [("controller", "missing"), ("viewer", "warn")])
 def test_what_only_some_need_is_no_reason_to_fail(extra: str, state: str) -> None:
     (found,) = doctor.extras(lambda asked: ["one"] if asked == extra else [])
-    assert (found.state, found.remedy) == (state, f"pip install 'tandem[{extra}]'")
+    assert (found.state, found.remedy) == (state, f"pip install '.[{extra}]' in its checkout")
     assert f"one not installed, for {extra}" in found.said
 
 

@@ -26,28 +26,34 @@ def test_the_extra_is_named_of_whose_package_is_missing(package: str, used_by: s
     code = f"import sys; sys.modules[{package!r}] = None\n{use}\nfrom services.cli.__main__ import main; main()"
     ended = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=60)
     assert (ended.returncode, ended.stdout) == (2, "")
-    assert ended.stderr == f"tandem: needs {package}, which is not installed: pip install 'tandem[{extra}]'\n"
+    assert (
+        ended.stderr == f"tandem: needs {package}, which is not installed: pip install '.[{extra}]' in its checkout\n"
+    )
 
 
 @pytest.mark.parametrize(
     ("command", "package", "line"),
     [
-        (("up",), "piqp", "tandem: piqp not installed: pip install 'tandem[controller,sim]'\n"),
-        (("run", "load"), "matplotlib", "tandem: matplotlib not installed: pip install 'tandem[experiment]'\n"),
+        (("up",), "piqp", "tandem: piqp not installed: pip install '.[controller,sim]' in its checkout\n"),
+        (
+            ("run", "load"),
+            "matplotlib",
+            "tandem: matplotlib not installed: pip install '.[experiment]' in its checkout\n",
+        ),
         (
             ("replay", "nothing.mcap", "--into", "controller"),
             "piqp",
-            "tandem: piqp not installed: pip install 'tandem[controller]'\n",
+            "tandem: piqp not installed: pip install '.[controller]' in its checkout\n",
         ),
         (
             ("up", "--bridge", "bridge_ros2"),
             "rosbags",
-            "tandem: rosbags not installed: pip install 'tandem[bridge_ros2]'\n",
+            "tandem: rosbags not installed: pip install '.[bridge_ros2]' in its checkout\n",
         ),
         (
             ("up", "--carry"),
             "opencv-contrib-python-headless",
-            "tandem: opencv-contrib-python-headless not installed: pip install 'tandem[task]'\n",
+            "tandem: opencv-contrib-python-headless not installed: pip install '.[task]' in its checkout\n",
         ),
     ],
     ids=" ".join,

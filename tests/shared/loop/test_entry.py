@@ -17,10 +17,10 @@ from tests.support.processes import ROOT
         (
             "sim",
             "pybullet",
-            "pip install 'tandem[sim]'" if sys.version_info < (3, 12) else "no wheels above Python 3.11",
+            "pip install '.[sim]' in its checkout" if sys.version_info < (3, 12) else "no wheels above Python 3.11",
         ),
-        ("controller", "piqp", "pip install 'tandem[controller]'"),
-        ("task", "cv2", "pip install 'tandem[task]'"),
+        ("controller", "piqp", "pip install '.[controller]' in its checkout"),
+        ("task", "cv2", "pip install '.[task]' in its checkout"),
     ],
 )
 def test_what_is_not_installed_is_one_line(service: str, package: str, remedy: str) -> None:

@@ -24,7 +24,7 @@ def test_without_its_packages_it_is_said_what_to_install(monkeypatch: pytest.Mon
     monkeypatch.setattr(page, "lacking", lambda extra: ["rerun-sdk"])
     with Children() as children:
         said = Page(True, "tiago", ENDPOINT, children).said
-    assert said == "no page: rerun-sdk not installed: pip install 'tandem[viewer]'"
+    assert said == "no page: rerun-sdk not installed: pip install '.[viewer]' in its checkout"
 
 
 @pytest.mark.parametrize("which", [0, 1])
