@@ -12,6 +12,7 @@ import typer
 from services.cli.common import DEFAULT_ENDPOINT, DEFAULT_ROBOT, Connect, Robot, check_place, refuse, working
 from services.cli.extras import need
 from services.experiment.play.recording import END, RUN, Recording
+from services.recorder.topics import everything
 from shared.clock import seconds
 from shared.processes import RECORDER
 from shared.wire.log import ABOUT, Heard, Log, NoRecording, recordings
@@ -40,6 +41,10 @@ def export(
     """Turn recordings into tables, times in seconds from the beginning, or into what other programs show."""
     if csv is None and foxglove is None:
         refuse(f"export {recording}: say what to make of it: --csv FOLDER, --foxglove FILE")
+    if csv is not None:
+        check_place("--csv", csv, 0.0)
+    if foxglove is not None:
+        check_place("--foxglove", foxglove.absolute().parent, 0.0)
     try:
         found = recordings(recording)
         with working(path for paths in found for path in paths):
@@ -51,14 +56,17 @@ def export(
     except NoRecording as problem:
         refuse(str(problem), 1)
     except OSError as problem:
-        refuse(f"{problem.filename or recording}: {problem.strerror}", 1)
+        # What is read is opened by its name; what cannot be written on has none.
+        refuse(f"{problem.filename or csv or foxglove}: {problem.strerror}", 1)
 
 
 def _tables(place: Path, paths: list[Path], csv: Path, several: bool) -> None:
     about: dict[str, dict[str, Any]] = {}
     heard: list[Heard] = []
+    # Pictures are in no table, and would fill the memory.
+    keys = {topic.key for topic in everything(camera=False)}
     for path in paths:
-        log = Log(path)
+        log = Log(path, keys)
         heard += log
         about |= log.about
     first = seconds(heard[0].arrival_ns) if heard else 0.0

@@ -10,7 +10,7 @@ import numpy as np
 import typer
 from rich.console import Console
 
-from services.cli.common import AsJson, refuse, three, working
+from services.cli.common import AsJson, check_place, refuse, three, working
 from services.cli.extras import need
 from services.cli.listing import Listing, show_json
 from services.cli.param import read as value_read
@@ -53,6 +53,10 @@ def replay_(
         refuse(f"limits are the controller's: --into controller, not {into}")
     try:
         paths = _the_one(recording)
+        if out is not None:
+            if out.exists():
+                refuse(f"--out {out}: there already")
+            check_place("--out", out.absolute().parent, sum(path.stat().st_size for path in paths) / 1e6)
         with working(paths):
             read, again = complete(paths, into)
             edit = outcome.limited(limits)
@@ -64,7 +68,9 @@ def replay_(
     except (InvalidField, Refused) as problem:
         refuse(f"{into}: {problem}")
     except OSError as problem:
-        refuse(f"{problem.filename or recording}: {problem.strerror}", 1)
+        refuse(f"{problem.filename or out or recording}: {problem.strerror}", 1)
+    if out is not None:
+        typer.echo(f"{out} has what is answered now; to see both: tandem view {paths[0]} --beside {out}", err=True)
     if changes or limits:
         _tell_outcome(into, played, {**changes, **_plain(limits)}, as_json)
         return
@@ -139,8 +145,6 @@ def _write(
     out: Path, paths: list[Path], read: Recorded, played: list[tuple[Life, Replayed]], about: dict[str, Any]
 ) -> None:
     """The recording with what is answered now in place of what was."""
-    if out.exists():
-        refuse(f"--out {out}: there already")
     sessions = {life.session for life, _ in played}
     said: list[Heard] = []
     kept: list[Heard] = []

@@ -14,6 +14,7 @@ from services.cli.listing import Listing
 from services.experiment.running import set_back
 from shared import topics
 from shared.clock import in_words
+from shared.loop.config import one_line
 from shared.parameters import Refused
 from shared.requests import TASK_WORDS
 from shared.schema.fields import InvalidField
@@ -88,7 +89,7 @@ def hand(
             try:
                 text = Path(script).read_text(encoding="utf-8")
             except (OSError, UnicodeDecodeError) as problem:
-                refuse(f"hand {script}: {problem}")
+                refuse(f"hand: {one_line(problem)}" if isinstance(problem, OSError) else f"hand {script}: {problem}")
         _command(robot, connect, {"command": "hand", "script": text})
         typer.echo(f"the person plays {script if script.isidentifier() else 'your script'}")
         return

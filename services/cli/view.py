@@ -19,6 +19,10 @@ def view(
     recording: Annotated[
         Path | None, typer.Argument(help="A recording (.mcap) or a folder of them, instead of the running robot.")
     ] = None,
+    beside: Annotated[
+        Path | None,
+        typer.Option(help="Another recording on its right, such as what a replay with a change has written."),
+    ] = None,
     port: Annotated[
         int | None,
         typer.Option(
@@ -33,11 +37,15 @@ def view(
     connect: Connect = DEFAULT_ENDPOINT,
 ) -> None:
     """Show what a robot does and why, in a browser, until Ctrl-C."""
-    if recording is not None and not recording.exists():
-        refuse(f"{recording}: not there; wanted a recording (.mcap) or a folder of them")
+    if beside is not None and recording is None:
+        refuse(f"--beside {beside}: beside which recording? tandem view RECORDING --beside {beside}")
+    for place in (recording, beside):
+        if place is not None and not place.exists():
+            refuse(f"{place}: not there; wanted a recording (.mcap) or a folder of them")
     port = port if port is not None else free_pair() or PAGE
     command = [sys.executable, "-m", process_named("viewer").module, "--robot", robot, "--connect", connect]
     command += ["--port", str(port), *(["--recording", str(recording)] if recording else [])]
+    command += ["--beside", str(beside)] if beside else []
     command += [*(["--native"] if native else []), *(["--open"] if browser and not native else [])]
     # The viewer itself from here on: signals and exit status are its own.
     os.execv(command[0], command)

@@ -9,7 +9,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from services.viewer.draw import camera, curves, states, tool, traffic, why
-from services.viewer.draw.robot import BASE, SHAPES
+from services.viewer.draw.robot import BASE, shapes
 from services.viewer.sentence import AXES, UNITS
 
 SHOWN = 20.0
@@ -36,6 +36,8 @@ class Eye(NamedTuple):
 
 _FRONT = Eye()
 """From the right, in front: robot, panel and person are in sight."""
+_PLAYED = rrb.TimePanel(state="collapsed", timeline="time", play_state="playing")
+"""Of a recording: from its beginning."""
 
 
 def layout(tab: int = 0, eye: Eye = _FRONT, live: bool = True) -> rrb.Blueprint:
@@ -52,9 +54,34 @@ def layout(tab: int = 0, eye: Eye = _FRONT, live: bool = True) -> rrb.Blueprint:
             ),
             row_shares=[5, 27],
         ),
-        rrb.TimePanel(state="collapsed", timeline="time", play_state="following" if live else "playing"),
+        rrb.TimePanel(state="collapsed", timeline="time", play_state="following") if live else _PLAYED,
         collapse_panels=True,
         auto_views=False,
+    )
+
+
+SIDES = "", "beside"
+"""Paths below which two recordings are drawn beside each other."""
+
+
+def side_by_side(names: Sequence[str]) -> rrb.Blueprint:
+    """Two recordings on one time axis: of each, under its name, the sentence, the scene, limits, force and speed."""
+    return rrb.Blueprint(
+        rrb.Horizontal(*(_column(name, side) for name, side in zip(names, SIDES, strict=True))),
+        _PLAYED,
+        collapse_panels=True,
+        auto_views=False,
+    )
+
+
+def _column(name: str, side: str) -> rrb.Vertical:
+    return rrb.Vertical(
+        rrb.TextDocumentView(origin=f"{_root(side)}/{why.NOW}", name=name),
+        _scene(_FRONT, side=side),
+        _used(side),
+        _plot("force [N]; thin: its limits", _of_axes(curves.KEYS[:3], curves.WRENCH, curves.LIMIT), side=side),
+        _plot(f"speed of the tool [m/s]: {_WHOSE}", (curves.SPEED,), side=side),
+        row_shares=[5, 14, 5, 5, 4],
     )
 
 
@@ -88,21 +115,22 @@ def filmed(words: str, camera_on: bool) -> rrb.Blueprint:
     )
 
 
-def _scene(eye: Eye, titlebar: bool = True, hidden: Sequence[str] = ()) -> rrb.Spatial3DView:
+def _scene(eye: Eye, titlebar: bool = True, hidden: Sequence[str] = (), side: str = "") -> rrb.Spatial3DView:
+    at = _root(side)
     return rrb.Spatial3DView(
         origin="/",
         contents=[
-            "/world/**",
-            f"/{SHAPES}/**",
-            f"- /{SHAPES}/tiago_dual/collision_geometries/**",
-            f"- /{camera.PICTURE}",
+            f"{at}/world/**",
+            f"/{shapes(side)}/**",
+            f"- /{shapes(side)}/tiago_dual/collision_geometries/**",
+            f"- {at}/{camera.PICTURE}",
             *hidden,
         ],
         name="robot, forces and limits",
         titlebar=titlebar,
         defaults=_SOLID,
         eye_controls=rrb.EyeControls3D(
-            position=eye.position, look_target=eye.middle, eye_up=(0, 0, 1), tracking_entity=f"/{BASE}"
+            position=eye.position, look_target=eye.middle, eye_up=(0, 0, 1), tracking_entity=f"{at}/{BASE}"
         ),
         line_grid=rrb.LineGrid3D(spacing=0.5),
     )
@@ -124,11 +152,12 @@ def _explanation() -> rrb.Vertical:
     )
 
 
-def _used() -> rrb.TimeSeriesView:
+def _used(side: str = "") -> rrb.TimeSeriesView:
     return _plot(
         "used of each limit [%]: x red, y green, z blue; torques pale",
         (curves.USED,),
         rrb.ScalarAxis(range=(0.0, 120.0), zoom_lock=True),
+        side=side,
     )
 
 
@@ -171,6 +200,10 @@ _WHOSE = "measured blue, commanded amber, largest red"
 _PARTS = curves.WRENCH, curves.LIMIT
 
 
+def _root(side: str) -> str:
+    return f"/{side}" if side else ""
+
+
 def _of_axes(keys: Sequence[str], *parts: str) -> tuple[str, ...]:
     return tuple(f"{part}/{key}" for part in parts for key in keys)
 
@@ -180,11 +213,11 @@ def _timeline(origin: str, name: str) -> rrb.StateTimelineView:
 
 
 def _plot(
-    name: str, entities: tuple[str, ...], axis: rrb.ScalarAxis | None = None, legend: bool = False
+    name: str, entities: tuple[str, ...], axis: rrb.ScalarAxis | None = None, legend: bool = False, side: str = ""
 ) -> rrb.TimeSeriesView:
     return rrb.TimeSeriesView(
         origin="/",
-        contents=[f"/{path}/**" for path in entities],
+        contents=[f"{_root(side)}/{path}/**" for path in entities],
         name=name,
         axis_y=axis,
         plot_legend=rrb.PlotLegend(visible=legend),

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
+from services.viewer.blueprint import SIDES, side_by_side
 from services.viewer.draw.drawing import PERIOD, Drawing
 from services.viewer.heard import WATCHED, Ears
 from services.viewer.looking import looked_at
@@ -31,6 +32,7 @@ from shared.wire.zenoh import ZenohBus
 
 NAME = "viewer"
 SELDOM = 5.0  # [Hz]: what comes no more often is listened to even while nobody looks
+TELL = 2.0  # [s] between two words of how much of a recording is drawn
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -80,6 +82,7 @@ def _parser() -> OneLineParser:
         metavar="PATH",
         help="show a recording (.mcap), or all in a folder, instead of a robot",
     )
+    parser.add_argument("--beside", type=Path, metavar="PATH", help="with --recording: another one on its right")
     parser.add_argument("--open", action="store_true", help="open the page, where there is a desktop")
     parser.add_argument("--native", action="store_true", help="in rerun's own viewer, too; all ends with its window")
     parser.add_argument(
@@ -132,17 +135,29 @@ def _show(
 
 def _show_recording(options: Namespace, stop: StopRequest) -> int:
     """Draw a recording into a file, which is forgotten at the end, and serve that; nothing else is needed."""
-    place: Path = options.recording
-    runs = recordings(place)
+    places: list[Path] = [options.recording, *([options.beside] if options.beside else [])]
+    shown = [recordings(place) for place in places]
+    names = " beside ".join(map(str, places))
     os.nice(10)
+    told = time.monotonic()
+
+    def goes_on(drawn: float) -> bool:
+        nonlocal told
+        if time.monotonic() - told > TELL:
+            told = time.monotonic()
+            _tell(f"{drawn:.0f} s are drawn")
+        return not stop.requested
+
     with tempfile.TemporaryDirectory(prefix="tandem-view-") as folder:
         path = Path(folder) / "run.rrd"
-        _tell(f"drawing {place}")
-        with Stream.written(path) as stream:
-            lasts = draw(stream.rec, runs, lambda time: not stop.requested)
+        _tell(f"drawing {names}")
+        with Stream.written(path, side_by_side([str(place) for place in places]) if options.beside else None) as stream:
+            lasts = max(
+                draw(stream.rec, runs, goes_on, side) for runs, side in zip(shown, SIDES[: len(shown)], strict=True)
+            )
         if stop.requested:
             return 0
-        page = recorded_page(options.listen, options.port, path, f"a recording: {place}, {lasts:.0f} s")
+        page = recorded_page(options.listen, options.port, path, f"a recording: {names}, {lasts:.0f} s")
         with closing(page), looked_at(page.url, str(path), options.open, options.native) as seen:
             _tell(f"{page.url}; Ctrl-C ends it")
             while not stop.requested and seen():

@@ -10,6 +10,7 @@ import rerun as rr
 from services.viewer.draw.drawing import PERIOD, Drawing
 from services.viewer.draw.why import note
 from services.viewer.heard import Ears
+from services.viewer.stream import below
 from shared.clock import nanoseconds, seconds
 from shared.wire.log import Log
 
@@ -31,7 +32,10 @@ class RecordedClock:
 
 
 def draw(
-    rec: rr.RecordingStream, runs: Sequence[Sequence[Path]], goes_on: Callable[[float], bool] = lambda time: True
+    rec: rr.RecordingStream,
+    runs: Sequence[Sequence[Path]],
+    goes_on: Callable[[float], bool] = lambda time: True,
+    side: str = "",
 ) -> float:
     """Draw recordings, one after the other on one time axis.
 
@@ -39,6 +43,7 @@ def draw(
         rec: to draw into.
         runs: the recordings, each by its files in their order.
         goes_on: asked now and then, with the time up to which is drawn [s], whether to go on.
+        side: path below which all of it is drawn, beside what else is in the stream.
 
     Returns:
         How long they last [s].
@@ -49,7 +54,8 @@ def draw(
     """
     clock = RecordedClock()
     ears = Ears(clock, 0)
-    drawing = Drawing(rec, ears, CURVES_EVERY)
+    rec = below(rec, side)
+    drawing = Drawing(rec, ears, CURVES_EVERY, side)
     due = period = nanoseconds(PERIOD)
     for heard_ns, key, payload in _on_one_axis(rec, runs):
         # Threads of a bus note what they hear side by side: a clock never goes back.

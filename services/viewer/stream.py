@@ -8,7 +8,7 @@ from __future__ import annotations
 import socket
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Any, Self, cast
 
 import rerun as rr
 import rerun.blueprint as rrb
@@ -62,6 +62,25 @@ class Stream:
     ) -> None:
         self.rec.flush()
         self.rec.disconnect()
+
+
+def below(rec: rr.RecordingStream, side: str) -> rr.RecordingStream:
+    """The part of a stream below a path, so that two drawings go into one; the stream itself if the path is empty."""
+    return cast(rr.RecordingStream, _Below(rec, side)) if side else rec
+
+
+class _Below:
+    def __init__(self, rec: rr.RecordingStream, side: str) -> None:
+        self._rec, self._side = rec, side
+
+    def log(self, path: str, *what: Any, **how: Any) -> None:
+        self._rec.log(f"{self._side}/{path}", *what, **how)
+
+    def send_columns(self, path: str, **what: Any) -> None:
+        self._rec.send_columns(f"{self._side}/{path}", **what)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._rec, name)
 
 
 def free(host: str, port: int) -> int:

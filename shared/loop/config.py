@@ -203,6 +203,14 @@ def value_of(text: str) -> Any:
 
 def complain(service: str, problem: Exception) -> int:
     """Print the one line of a bad configuration; returns the exit status for it."""
-    # Whatever was given may hold line breaks.
-    print(f"{service}: {' '.join(str(problem).split())}", file=sys.stderr, flush=True)
+    print(f"{service}: {one_line(problem)}", file=sys.stderr, flush=True)
     return 2
+
+
+def one_line(problem: Exception) -> str:
+    """What was wrong, in one line; a file is named first."""
+    text = str(problem)
+    if isinstance(problem, OSError) and problem.filename and problem.strerror:
+        text = f"{problem.filename}: {problem.strerror}"
+    # Whatever was given may hold line breaks.
+    return " ".join(text.split())

@@ -35,11 +35,12 @@ class Drawing:
         rec: to draw into.
         ears: live or of a recording.
         curves_every: time [s] between two pieces of a curve; short ones cost whoever draws and whoever looks.
+        side: path below which the stream draws; empty for all of it.
     """
 
-    def __init__(self, rec: rr.RecordingStream, ears: Ears, curves_every: float = CURVES_EVERY) -> None:
+    def __init__(self, rec: rr.RecordingStream, ears: Ears, curves_every: float = CURVES_EVERY, side: str = "") -> None:
         self._rec, self._ears = rec, ears
-        self._rows = show.table(Robot(rec))
+        self._rows = show.table(Robot(rec, side))
         show.style(rec)
         traffic.style(rec)
         self._newest = Newest(ears.newest)

@@ -28,7 +28,6 @@ from shared.spatial import (
 
 BASE = "world/base"
 """Entity whose axes are those of ``base``."""
-SHAPES = "robot"
 _JOINTS = "tf/joints"
 _UNSEEN = 1e-4
 """Motion of a joint [rad, m] that nobody sees."""
@@ -36,25 +35,35 @@ REPEAT = 5.0
 """Time [s] after which what has not changed is drawn again, for whoever comes later: the oldest is forgotten."""
 
 
+def shapes(side: str = "") -> str:
+    """Entity of a robot's shapes: rerun wants a single name, also in the part of a stream below a path."""
+    return f"{side}-robot" if side else "robot"
+
+
 class Robot:
     """One robot's description in a stream.
 
     Args:
         rec: gets the shapes, which hang on ``BASE``.
+        side: path below which the stream draws; empty for all of it.
         urdf: the description.
 
     Raises:
         OSError, ValueError: it cannot be read.
     """
 
-    def __init__(self, rec: rr.RecordingStream, urdf: Path = URDF) -> None:
+    def __init__(self, rec: rr.RecordingStream, side: str = "", urdf: Path = URDF) -> None:
         tree = rr.urdf.UrdfTree.from_file_path(
-            urdf, entity_path_prefix=SHAPES, static_transform_entity_path="tf/static"
+            urdf,
+            entity_path_prefix=shapes(side),
+            frame_prefix=side or None,
+            static_transform_entity_path=f"{side}/tf/static",
         )
         tree.log_urdf_to_recording(rec)
-        root = rr.Transform3D(parent_frame=f"tf#/{BASE}", child_frame=tree.root_link().name)
+        above = f"{side}/{BASE}".removeprefix("/")
+        root = rr.Transform3D(parent_frame=f"tf#/{above}", child_frame=side + tree.root_link().name)
         rec.log("tf/root", root, static=True)
-        self._joints = {joint.name: _Moving.of(joint) for joint in tree.joints() if joint.joint_type != "fixed"}
+        self._joints = {joint.name: _Moving.of(joint, side) for joint in tree.joints() if joint.joint_type != "fixed"}
         self._shown: dict[str, float] = {}
         self._all_at = -math.inf
 
@@ -96,11 +105,12 @@ class _Moving(NamedTuple):
     slides: bool
 
     @classmethod
-    def of(cls, joint: rr.urdf.UrdfJoint) -> _Moving:
+    def of(cls, joint: rr.urdf.UrdfJoint, side: str) -> _Moving:
         rotation = rotation_matrix(quaternion_from_rpy(*joint.origin_rpy))
         slides = joint.joint_type == "prismatic"
         origin, axis = np.array(joint.origin_xyz), np.array(joint.axis)
-        return cls(joint.name, joint.parent_link, joint.child_link, origin, rotation, axis, slides)
+        frames = side + joint.parent_link, side + joint.child_link
+        return cls(joint.name, *frames, origin, rotation, axis, slides)
 
     def translation(self, position: float) -> Array:
         return self.origin + self.rotation @ (position * self.axis) if self.slides else self.origin

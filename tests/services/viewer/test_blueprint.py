@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from rerun.chunk import RrdReader
 
-from services.viewer.blueprint import filmed
+from services.viewer.blueprint import filmed, side_by_side
 from services.viewer.stream import Stream
 from tests.services.viewer.drawn import Drawn, Stage
 from tests.services.viewer.messages import MESSAGES
@@ -56,6 +56,15 @@ def test_every_curve_is_in_some_view(drawn: tuple[Path, Drawn]) -> None:
     for entity in content.entities:
         if entity.startswith(("/curves", "/traffic")):
             assert any(entity == query or entity.startswith(f"{query}/") for query in queries), entity
+
+
+def test_beside_each_other_each_recording_has_its_name_and_the_same_views(tmp_path: Path) -> None:
+    path = tmp_path / "drawn.rrd"
+    with Stream.written(path, side_by_side(["then", "with 15 N"])):
+        pass
+    shown = views(path)
+    assert shown["then"] == ["/why/now", "$origin/**"] and shown["with 15 N"] == ["/beside/why/now", "$origin/**"]
+    assert len(shown) == 2 + 4
 
 
 @pytest.mark.parametrize("camera", [False, True])

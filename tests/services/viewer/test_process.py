@@ -110,6 +110,16 @@ def test_a_recording_is_shown_without_a_router(start: StartProcess, tmp_path: Pa
     process.ends_in_time()
 
 
+def test_two_recordings_are_shown_beside_each_other(start: StartProcess, tmp_path: Path) -> None:
+    one, other = record(tmp_path / "a.mcap", 5.0, 2.0), record(tmp_path / "b.mcap", 5.0, 1.0)
+    process = start("services.viewer", "--recording", str(one), "--beside", str(other), "--port", "0")
+    state = json.loads(fetched(f"{(url := page(process))}state"))
+    assert state["sentence"]["text"] == f"a recording: {one} beside {other}, 2 s"
+    content = fetched(picture(url, state["reads"]))
+    assert b"/curves/wrench/fz" in content and b"/beside/curves/wrench/fz" in content
+    process.ends_in_time()
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

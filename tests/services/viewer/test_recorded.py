@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from services.viewer.blueprint import SIDES
 from services.viewer.recorded import GAP, draw
 from services.viewer.stream import Stream
 from shared import topics as t
@@ -16,6 +17,8 @@ from shared.wire.codec import encode
 from shared.wire.log import Heard, Log, NoRecording, write_log
 from tests.services.viewer.drawn import Drawn
 from tests.services.viewer.messages import camera, wrench
+
+FRAME = "Transform3D:child_frame"
 
 
 def record(path: Path, begin: float, duration: float, session: int = 1, seq: int = 0) -> Path:
@@ -81,6 +84,21 @@ def test_it_can_be_broken_off(tmp_path: Path) -> None:
     with Stream.written(tmp_path / "drawn.rrd") as stream:
         lasts = draw(stream.rec, [[record(tmp_path / "a.mcap", 100.0, 5.0)]], lambda time: time < 1.0)
     assert lasts == pytest.approx(1.0, abs=0.15)
+
+
+def test_two_are_drawn_beside_each_other_on_one_axis(tmp_path: Path) -> None:
+    one, other = record(tmp_path / "a.mcap", 100.0, 1.0), record(tmp_path / "b.mcap", 5000.0, 2.0)
+    with Stream.written(tmp_path / "drawn.rrd") as stream:
+        lasts = [draw(stream.rec, [[path]], side=side) for path, side in zip((one, other), SIDES, strict=True)]
+    drawn = Drawn(tmp_path / "drawn.rrd")
+    assert lasts == [pytest.approx(0.99), pytest.approx(1.99)]
+    curves = [drawn.of(f"{side}{side and '/'}curves/wrench/fz", "Scalars:scalars") for side in SIDES]
+    assert [(len(curve), curve[0][0]) for curve in curves] == [(100, 0.0), (200, 0.0)]
+    # Each robot hangs on its own base by frames of its own.
+    roots = [drawn.last(f"{side}{side and '/'}tf/root", "Transform3D:parent_frame") for side in SIDES]
+    assert roots == [["tf#/world/base"], ["tf#/beside/world/base"]]
+    frames = [{row[1][0] for row in drawn.of(f"{side}{side and '/'}tf/static", FRAME)} for side in SIDES]
+    assert frames[0] and frames[1] == {f"beside{name}" for name in frames[0]}
 
 
 def test_what_is_no_recording_is_told(tmp_path: Path) -> None:

@@ -142,6 +142,15 @@ def test_a_bad_file_is_named_with_what_is_wrong(
     assert line.count("\n") == 1 and str(config) in line and text in line
 
 
+def test_a_file_that_is_not_to_be_had_is_named_without_a_number(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(OSError) as caught:
+        (tmp_path / "none").open()
+    assert complain("recorder", caught.value) == 2
+    assert capsys.readouterr().err == f"recorder: {tmp_path}/none: No such file or directory\n"
+
+
 def test_help_is_no_mistake(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as caught:
         chosen("--help")

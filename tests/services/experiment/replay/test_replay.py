@@ -144,6 +144,7 @@ def test_the_command_says_what_is_equal_and_writes_what_would_have_been(
         capsys, "replay", str(file), "--into", "controller", "--force-limit", "5", "--out", str(out), "--json"
     )
     content = json.loads(changed.stdout)
+    assert f"tandem view {file} --beside {out}" in changed.stderr
     assert changed.returncode == 0 and "open loop" in content["note"] and content["starts"][0]["first"]
     own = {topic.key for topic in outputs("controller")}
     before, after = ([one for one in Log(path) if one.key not in own] for path in (file, out))
@@ -160,6 +161,8 @@ def test_the_command_says_what_is_equal_and_writes_what_would_have_been(
         (("--into", "controller", "--force-limit", "-5"), "force_limit"),
         (("--into", "controller", "--set", "max_linear"), "wanted NAME=VALUE"),
         (("--into", "controller", "--set", "nonsense=1"), "nonsense is no parameter"),
+        (("--into", "controller", "--out", __file__), "test_replay.py: there already"),
+        (("--into", "controller", "--out", "/dev/null/a.mcap"), "--out /dev/null: /dev/null is no folder"),
     ],
 )
 def test_what_it_cannot_take_is_refused_in_one_line(
