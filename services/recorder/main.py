@@ -20,7 +20,8 @@ from shared.wire.log import SUFFIX, LogWriter
 from shared.wire.zenoh import ZenohBus
 
 NAME = "recorder"
-TELL = 10.0  # [s] between two lines of progress
+TELL, FIRST = 10.0, 2.0  # [s] between two lines of progress, and before the first one
+NOTHING = "nothing was heard so far: does a robot of this name run there? See: tandem status"
 LEAST, MOST = 8, 1_000_000  # [MB]
 
 
@@ -39,6 +40,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         check_endpoint("--connect", options.connect)
         place: Path = options.out or Path("runs") / f"record-{time.strftime('%Y%m%d-%H%M%S')}"
         place.mkdir(parents=True, exist_ok=True)
+        # Of both one recording would be made.
+        if there := sorted(place.glob(f"{robot}-*{SUFFIX}")):
+            raise Misconfigured(f"--out {place}: {there[0].name} is there already; name another folder")
         _stand_back()
         told = told_waiting(NAME, options.connect, stop)
         with closing(ZenohBus(robot, options.connect, told, credentials=Credentials.of(options.secure))) as bus:
@@ -96,7 +100,7 @@ def _record(bus: Bus, log: LogWriter, stop: StopRequest, camera: bool) -> None:
     for topic in everything(camera):
         bus.subscribe(topic.key, listener(topic.key))
     _tell("recording; Ctrl-C ends it")
-    told = time.monotonic()
+    told = time.monotonic() - TELL + FIRST
     while not stop.requested and not log.problem:
         stop.wake.wait(0.2)
         if time.monotonic() - told > TELL:
@@ -105,7 +109,7 @@ def _record(bus: Bus, log: LogWriter, stop: StopRequest, camera: bool) -> None:
 
 
 def _progress(log: LogWriter) -> str:
-    heard = f"{log.heard:,} messages, {log.written / 1e6:.1f} MB" if log.heard else "nothing was heard so far"
+    heard = f"{log.heard:,} messages, {log.written / 1e6:.1f} MB" if log.heard else NOTHING
     return heard + (f", {log.lost:,} were lost since the disk is too slow" if log.lost else "")
 
 

@@ -14,6 +14,7 @@ from shared.topics import SENSOR_CAMERA, SENSOR_FT
 from shared.wire.log import ABOUT, Log, NoRecording
 from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
+from tests.support.ports import free_endpoint
 from tests.support.processes import Process
 from tests.support.wait import eventually
 
@@ -28,8 +29,8 @@ def recorded(out: Path) -> list[tuple[str, bytes]]:
     return []
 
 
-def recorder(start: StartProcess, router: Router, out: Path) -> Process:
-    process = start("services.recorder", "--connect", router.endpoint, "--out", str(out))
+def recorder(start: StartProcess, router: Router, out: Path, *options: str) -> Process:
+    process = start("services.recorder", "--connect", router.endpoint, "--out", str(out), *options)
     process.wait_for_output("recording")
     return process
 
@@ -76,6 +77,19 @@ def test_everything_is_recorded_whatever_ends_it(
     assert Log(file).about[ABOUT]["robot"] == "tiago"
     if end == signal.SIGTERM:
         assert status == 0 and "messages" in process.output
+
+
+def test_whoever_hears_nothing_is_told_what_to_do(shared_router: Router, start: StartProcess, tmp_path: Path) -> None:
+    process = recorder(start, shared_router, tmp_path, "--robot", "nobody")
+    process.wait_for_output("nothing was heard so far: does a robot of this name run there? See: tandem status")
+
+
+def test_a_recording_that_is_there_is_not_gone_on_with(start: StartProcess, tmp_path: Path) -> None:
+    """Its first files may be gone."""
+    (tmp_path / "tiago-0003.mcap").write_bytes(b"of yesterday")
+    process = start("services.recorder", "--connect", free_endpoint(), "--out", str(tmp_path))
+    assert process.wait() == 2
+    assert f"recorder: --out {tmp_path}: tiago-0003.mcap is there already; name another folder" in process.output
 
 
 def test_without_the_camera_nobody_is_asked_for_pictures() -> None:
