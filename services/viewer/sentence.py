@@ -83,8 +83,9 @@ def say(known: Known, cut_off: str = "") -> Sentence:
     if not found:
         found.append(_nearest(known))
     (kind, text), *others = found
-    # What somebody says of itself is often what the sentence says already.
-    remarks = (line for line in _remarks(known) if (line.partition(": ")[2] or line) not in text)
+    # What somebody says of itself is often what is said already.
+    told = [said for _, said in found]
+    remarks = (line for line in _remarks(known) if not any((line.partition(": ")[2] or line) in said for said in told))
     more = dict.fromkeys(_short(line) for line in (*(other for _, other in others), *remarks))
     return Sentence(_short(text), kind, tuple(more))
 

@@ -215,6 +215,8 @@ def test_nothing_is_said_twice_and_nothing_is_longer_than_a_line() -> None:
     assert len(said.text) == LONGEST and said.text.endswith("...")
     assert all("\n" not in line for line in (said.text, *said.more))
     assert say(known(task("approaching", "waiting: no marker"))).more == ()
+    said = say(known(control("braking", "a stop"), task("searching", "it looks around")))
+    assert said.more == ("the task is searching: it looks around",)
 
 
 def test_the_share_of_a_limit_counts_force_and_error_bound() -> None:
