@@ -54,7 +54,7 @@ def film(folder: Path) -> Path:
     try:
         from services.viewer.film import FILM, render
     except ImportError as problem:
-        raise Misconfigured(f"{problem.name} is not installed: pip install 'tandem[experiment]'") from None
+        raise Misconfigured(f"{problem.name} is not installed: pip install '.[experiment]' in its checkout") from None
 
     experiment = _played(folder / RECORDING)
     takes = [_take(experiment, folder)]
@@ -77,5 +77,5 @@ def _played(path: Path) -> Experiment:
     """The experiment that a recording is of."""
     name = told(path).get("experiment")
     if name not in EXPERIMENTS:
-        raise ValueError(f"{path}: of experiment {name!r}, known are {', '.join(EXPERIMENTS)}")
+        raise ValueError(f"{path}: of no run of an experiment ({', '.join(EXPERIMENTS)})")
     return EXPERIMENTS[name]

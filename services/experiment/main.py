@@ -1,12 +1,10 @@
-"""Command line of the experiments: `plan`, `settings`, `play` (one run, on a stack made for it), `film`, `report`; and
+"""Command line of the experiments: `settings`, `play` (one run, on a stack made for it), `film`, `report`; and
 `run`, which makes a stack that runs already ready for a run, plays it, films and judges it.
 """
 
 from __future__ import annotations
 
 import argparse
-import dataclasses
-import json
 import os
 import time
 from collections.abc import Sequence
@@ -18,7 +16,7 @@ from services.experiment.experiments import EXPERIMENTS
 from services.experiment.play.process import play
 from services.experiment.play.recording import RECORDING
 from services.experiment.running import ROBOT_WITHIN, as_wanted, playable, set_back
-from shared.loop.config import Misconfigured, OneLineParser, complain, config_text, robot_name, service_parser
+from shared.loop.config import Misconfigured, OneLineParser, complain, config_text, one_line, robot_name, service_parser
 from shared.loop.entry import end_at_once
 from shared.parameters import Refused
 from shared.wire.bus import NoReply
@@ -46,24 +44,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = OneLineParser(prog=f"python -m services.{NAME}", description=__doc__)
-    commands = parser.add_subparsers(required=True, metavar="plan|settings|play|run|film|report")
-    plan = commands.add_parser("plan", help="print runs and the settings that each needs, as JSON")
-    plan.set_defaults(carry_out=_plan)
+    commands = parser.add_subparsers(required=True, metavar="settings|play|run|film|report")
     settings = commands.add_parser("settings", help="print the parameters of a run, as a file for --config")
     settings.set_defaults(carry_out=_settings)
     play = commands.add_parser("play", help="play one run against the stack made for it, and record it")
     play.set_defaults(carry_out=_play)
     run = commands.add_parser("run", help="play one run against any running simulation, film it and judge it")
     run.set_defaults(carry_out=_run)
-    for command in (plan, settings, play, run):
+    for command in (settings, play, run):
         command.add_argument("experiment", choices=EXPERIMENTS)
-    plan.add_argument("--run", action="append", default=[], metavar="NAME", help="this one, instead of all")
     shared = service_parser(NAME)
     for command in (play, run):
         for option in ("--robot", "--connect"):
             command.add_argument(option, default=shared.get_default(option[2:]))
     for command in (settings, play):
-        command.add_argument("--run", required=True, metavar="NAME", help="as in the plan")
+        command.add_argument("--run", required=True, metavar="NAME", help="of the experiment")
     run.add_argument("--run", default="", metavar="NAME", help="the one that is filmed, if left out")
     run.add_argument("--out", type=Path, help="folder of the report; default runs/<experiment>-<date>")
     run.add_argument("--no-film", action="store_true", help="render no film")
@@ -77,18 +72,6 @@ def _parser() -> argparse.ArgumentParser:
     report.add_argument("folder", type=Path)
     report.add_argument("--ran", action="append", default=[], metavar="TEXT", help="how it was run, for the page")
     return parser
-
-
-def _plan(options: argparse.Namespace) -> int:
-    experiment = EXPERIMENTS[options.experiment]
-    runs = experiment.chosen(options.run)
-    plan = {
-        "runs": [dataclasses.asdict(run) for run in runs],
-        "duration": experiment.duration,
-        "film": experiment.shown(runs)[0].name,
-    }
-    print(json.dumps(plan))
-    return 0
 
 
 def _play(options: argparse.Namespace) -> int:
@@ -138,7 +121,7 @@ def _film(options: argparse.Namespace) -> int:
     try:
         print(experiments.film(options.folder))
     except (KeyError, Misconfigured, ValueError, OSError) as problem:
-        print(f"no film: {problem}")
+        print(f"no film: {one_line(problem)}")
         return 1
     return 0
 
