@@ -38,10 +38,20 @@ def _draw(
             (
                 "wrench",
                 figures.draw_wrench,
-                f"force and torque at the tool, base axes, every sample up to {figures.CUT_OFF:g} limits.",
+                f"force and torque at the tool, base axes, every sample up to {figures.CUT_OFF:g} limits. Dashed: "
+                "limits, centred on the agreed share of the weight; red: over a limit.",
             ),
-            ("paths", figures.draw_paths, "base, tool and hands from above, and the panel at some moments."),
-            ("heights", figures.draw_heights, "heights of the panel's ends, and how it is turned."),
+            (
+                "paths",
+                figures.draw_paths,
+                "base, tool and hands from above, and the panel at some moments. Dots: at the grasp; squares: at the "
+                "release; circles: the base.",
+            ),
+            (
+                "heights",
+                figures.draw_heights,
+                "heights of the panel's ends, and how it is turned. Line: the gripper opens.",
+            ),
         ):
             figure = draw(run, recordings[name], measured[name], frame)
             yield Drawn(f"{name}-{kind}", figure, f"{run.title}: {caption}", name)

@@ -49,7 +49,8 @@ def _draw(
     yield Drawn(
         "lowering",
         figures.draw_lowering(runs, recordings, measured),
-        "The same after the heavier bag: how each law lowers it and how it lands. Unsmoothed.",
+        "The same after the heavier bag: how each law lowers it and how it lands. Unsmoothed. "
+        "Dot: the bag touches the ground.",
     )
     frame = figures.Frame.of(recordings.values())
     for name, run in runs.items():

@@ -102,7 +102,7 @@ def draw_lowering(
     _legend(figure, height)
     _labels(load, height)
     height.set_xlim(-0.5, longest + 2.0)
-    height.set_xlabel("time since the heavier bag [s]   (dot: the bag touches the ground)")
+    height.set_xlabel("time since the heavier bag [s]")
     return figure
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -19,6 +20,8 @@ _HEALTH = "health/"
 
 def longest_gap(recording: Recording) -> float:
     """Longest time [s] between two samples of the force sensor."""
+    if topics.SENSOR_FT.key not in recording.topics:
+        return math.inf
     time = recording.time(topics.SENSOR_FT.key)
     return float(np.max(np.diff(time[time >= 0.0]), initial=0.0))
 
@@ -49,7 +52,7 @@ def too_busy(recording: Recording) -> str:
     told = [f"{100 * share:.1f} % of the steps of {name} were late" for name, share in late.items() if share > LATE]
     if told:
         told[-1] += f" (bound {100 * LATE:g} %)"
-    if (gap := longest_gap(recording)) > GAP:
+    if GAP < (gap := longest_gap(recording)) < math.inf:
         told.append(f"the force sensor was silent for {1e3 * gap:.0f} ms (bound {1e3 * GAP:g} ms)")
     return ", ".join(told)
 

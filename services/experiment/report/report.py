@@ -1,9 +1,9 @@
-"""Turns recordings into a folder: page, figures, CSV of every series, films, claims as JSON."""
+"""Turns recordings into a folder: page, figures, claims as JSON."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,7 +29,7 @@ class Report:
         claims: all of them, in order.
         tables: of figures.
         problems: what may have disturbed a run, a line each.
-        unfinished: runs that were not played to the end, and why; among the problems, too.
+        unfinished: runs that were not played to the end.
         busy: runs for which the machine was too busy, and by what that is seen.
     """
 
@@ -37,7 +37,7 @@ class Report:
     claims: list[Claim]
     tables: list[Table]
     problems: list[str]
-    unfinished: list[str]
+    unfinished: Collection[str]
     busy: dict[str, str]
 
     @property
@@ -56,18 +56,18 @@ class Report:
     @property
     def status(self) -> int:
         """Exit status: 0 if every run was played to its end and every claim holds, 1 if not, `NOT_JUDGED`."""
-        if self.unfinished or self.count("fail"):
+        if self.count("fail") or any(name not in self.busy for name in self.unfinished):
             return 1
-        return NOT_JUDGED if self.count("not judged") else 0
+        return NOT_JUDGED if self.count("not judged") or self.unfinished else 0
 
     @property
     def verdict(self) -> str:
         """In one sentence."""
         failed, unjudged, count = self.count("fail"), self.count("not judged"), len(self.claims)
-        rest = f"{unjudged} of {count} claims not judged: the machine was too busy"
-        if failed:
-            return f"{failed} of {count} claims fail" + (f"; {rest}" if unjudged else "")
-        return rest if unjudged else f"all {count} claims hold"
+        told = [f"{name} was not played to its end" for name in self.unfinished]
+        told += [f"{failed} of {count} claims fail"] if failed else []
+        told += [f"{unjudged} of {count} claims not judged: the machine was too busy"] if unjudged else []
+        return "; ".join(told if failed or unjudged else [*told, f"all {count} claims hold"])
 
 
 def recorded(experiment: Experiment, folder: Path) -> dict[str, Recording]:
@@ -102,21 +102,28 @@ def write(
         ValueError: no run was played to the end.
     """
     account = experiment.account
-    measured, unfinished = {}, []
+    measured, unfinished = {}, {}
+    busy = {name: seen for name, recording in recordings.items() if (seen := too_busy(recording))}
     for name, recording in recordings.items():
         try:
             measured[name] = account.measure(recording)
         except (KeyError, ValueError) as problem:
-            unfinished.append(f"{name} is not judged: {problem.args[0]}")
+            unfinished[name] = f"{name} is not judged: {problem.args[0]}"
+            if name in busy:
+                unfinished[name] += f"; the machine was too busy: {busy[name]}"
     if not measured:
-        raise ValueError("; ".join(unfinished))
+        raise ValueError("; ".join(unfinished.values()))
     runs = {run.name: run for run in experiment.known if run.name in measured}
     recordings = {name: recordings[name] for name in measured}
     claims, tables = account.judge(runs, measured), account.tables(measured)
-    busy = {name: seen for name, recording in recordings.items() if (seen := too_busy(recording))}
-    disturbed = [*unfinished, *disturbances({name: found for name, found in measured.items() if name not in busy})]
+    disturbed = [
+        *unfinished.values(),
+        *disturbances({name: found for name, found in measured.items() if name not in busy}),
+    ]
     late = [
-        f"{name}: the machine was too busy, so what fails in it is not judged: {seen}" for name, seen in busy.items()
+        f"{name}: the machine was too busy, so what fails in it is not judged: {seen}"
+        for name, seen in busy.items()
+        if name in measured
     ]
     problems = [*disturbed, *late]
     report = Report(folder / "index.html", claims, tables, problems, unfinished, busy)
@@ -145,10 +152,10 @@ def write(
         tables=tables,
         figures=[(path, one.caption) for one, path in drawn if not one.run],
         films=[
-            (folder / name / film, f"{run.title}: {caption}")
-            for name, run in runs.items()
+            (folder / run.name / film, f"{run.title}: {caption}")
+            for run in experiment.known
             for film, caption in account.films.items()
-            if (folder / name / film).exists()
+            if (folder / run.name / film).exists()
         ],
         facts={**_origin(recordings), **account.facts},
         files={name: [folder / name / RECORDING] for name in recordings},

@@ -163,6 +163,19 @@ def test_a_run_that_did_not_finish_fails_the_command_but_not_the_others(played: 
     summary = json.loads((tmp_path / "claims.json").read_text())
     assert {claim["run"] for claim in summary["claims"]} == {"certified-30"}
     assert summary["problems"][0].startswith("paper-30 is not judged")
+    assert summary["verdict"].startswith("paper-30 was not played to its end; all ")
+
+
+def test_a_run_that_a_busy_machine_broke_off_is_not_judged_and_its_film_is_shown(
+    played: Recording, tmp_path: Path
+) -> None:
+    (tmp_path / "paper-30").mkdir()
+    (tmp_path / "paper-30" / "scene.mp4").touch()
+    runs = {"paper-30": spoilt(played, defects.broken_off, defects.late), "certified-30": played}
+    found = write(LOAD, runs, tmp_path)
+    assert found.status == NOT_JUDGED and found.count("not judged") == 0
+    assert "the machine was too busy" in found.problems[0]
+    assert 'src="paper-30/scene.mp4"' in (tmp_path / "index.html").read_text()
 
 
 def test_a_machine_that_stalled_is_named(played: Recording, tmp_path: Path) -> None:
