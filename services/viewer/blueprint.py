@@ -77,7 +77,7 @@ def side_by_side(names: Sequence[str]) -> rrb.Blueprint:
 def _column(name: str, side: str) -> rrb.Vertical:
     return rrb.Vertical(
         rrb.TextDocumentView(origin=f"{_root(side)}/{why.NOW}", name=name),
-        _scene(_FRONT, side=side),
+        _scene(_ASIDE, side=side),
         _used(side),
         _plot("force [N]; thin: its limits", _of_axes(curves.KEYS[:3], curves.WRENCH, curves.LIMIT), side=side),
         _plot(f"speed of the tool [m/s]: {_WHOSE}", (curves.SPEED,), side=side),

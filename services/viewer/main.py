@@ -136,24 +136,16 @@ def _show(
 def _show_recording(options: Namespace, stop: StopRequest) -> int:
     """Draw a recording into a file, which is forgotten at the end, and serve that; nothing else is needed."""
     places: list[Path] = [options.recording, *([options.beside] if options.beside else [])]
-    shown = [recordings(place) for place in places]
+    shown = {place: recordings(place) for place in places}
     names = " beside ".join(map(str, places))
     os.nice(10)
-    told = time.monotonic()
-
-    def goes_on(drawn: float) -> bool:
-        nonlocal told
-        if time.monotonic() - told > TELL:
-            told = time.monotonic()
-            _tell(f"{drawn:.0f} s are drawn")
-        return not stop.requested
-
     with tempfile.TemporaryDirectory(prefix="tandem-view-") as folder:
         path = Path(folder) / "run.rrd"
         _tell(f"drawing {names}")
         with Stream.written(path, side_by_side([str(place) for place in places]) if options.beside else None) as stream:
             lasts = max(
-                draw(stream.rec, runs, goes_on, side) for runs, side in zip(shown, SIDES[: len(shown)], strict=True)
+                draw(stream.rec, shown[place], _goes_on(place, stop), side)
+                for place, side in zip(places, SIDES, strict=False)
             )
         if stop.requested:
             return 0
@@ -163,6 +155,20 @@ def _show_recording(options: Namespace, stop: StopRequest) -> int:
             while not stop.requested and seen():
                 stop.wake.wait(0.2)
     return 0
+
+
+def _goes_on(place: Path, stop: StopRequest) -> Callable[[float], bool]:
+    """Says now and then how much is drawn [s]; the drawing goes on until a signal."""
+    told = time.monotonic()
+
+    def goes_on(drawn: float) -> bool:
+        nonlocal told
+        if time.monotonic() - told > TELL:
+            told = time.monotonic()
+            _tell(f"{drawn:.0f} s of {place} are drawn")
+        return not stop.requested
+
+    return goes_on
 
 
 def _tell(line: str) -> None:
