@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import shutil
 import sys
 import tempfile
 import time
@@ -32,6 +33,7 @@ from shared.wire.zenoh import ZenohBus
 
 NAME = "viewer"
 SELDOM = 5.0  # [Hz]: what comes no more often is listened to even while nobody looks
+ROOM = 1_000_000  # [bytes] that are left on a disk to which all could be written
 TELL = 2.0  # [s] between two words of how much of a recording is drawn
 
 
@@ -149,12 +151,23 @@ def _show_recording(options: Namespace, stop: StopRequest) -> int:
             )
         if stop.requested:
             return 0
+        check_room(Path(folder))
         page = recorded_page(options.listen, options.port, path, f"a recording: {names}, {lasts:.0f} s")
         with closing(page), looked_at(page.url, str(path), options.open, options.native) as seen:
             _tell(f"{page.url}; Ctrl-C ends it")
             while not stop.requested and seen():
                 stop.wake.wait(0.2)
     return 0
+
+
+def check_room(folder: Path) -> None:
+    """Rerun says nothing when the disk that it writes to is full.
+
+    Raises:
+        Misconfigured: it is.
+    """
+    if shutil.disk_usage(folder).free < ROOM:
+        raise Misconfigured(f"{folder.parent}: the disk is full, so not all is drawn; make room, or set TMPDIR")
 
 
 def _goes_on(place: Path, stop: StopRequest) -> Callable[[float], bool]:

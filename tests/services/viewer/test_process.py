@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import urllib.request
 from pathlib import Path
 
 import pytest
 
+from services.viewer.main import check_room
 from services.viewer.page.picture import READ
+from shared.loop.config import Misconfigured
 from shared.wire.client import Client
 from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
@@ -118,6 +121,14 @@ def test_two_recordings_are_shown_beside_each_other(start: StartProcess, tmp_pat
     content = fetched(picture(url, state["reads"]))
     assert b"/curves/wrench/fz" in content and b"/beside/curves/wrench/fz" in content
     process.ends_in_time()
+
+
+def test_a_drawing_that_the_disk_has_no_room_for_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "tandem-view-1").mkdir()
+    check_room(tmp_path / "tandem-view-1")
+    monkeypatch.setattr("shutil.disk_usage", lambda path: shutil._ntuple_diskusage(10**9, 10**9 - 1000, 1000))
+    with pytest.raises(Misconfigured, match=f"{tmp_path}: the disk is full, so not all is drawn"):
+        check_room(tmp_path / "tandem-view-1")
 
 
 @pytest.mark.parametrize(
