@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
@@ -62,10 +62,14 @@ def render(takes: Sequence[Take], folder: Path, rate: float = 15.0, speed: float
             pictures = [(part.still, part.end, shots[-1].picture(part.end)) for part in stills]
             imageio.imwrite(folder / STRIP, strip(pictures))
         times = np.arange(round(max(shot.end for shot in shots) * rate / speed) + 1) * speed / rate
-        writer: Any = imageio.get_writer(folder / FILM, fps=rate, codec="libx264", quality=7, macro_block_size=4)
-        with writer as film:
+        # A viewer that ends early leaves no half film that looks like a whole one.
+        half = folder / f"unfinished-{FILM}"
+        stack.callback(half.unlink, missing_ok=True)
+        writer: Any = imageio.get_writer(half, fps=rate, codec="libx264", quality=7, macro_block_size=4)
+        with closing(writer) as film:  # which does not close itself after an error
             for time in times:
                 film.append_data(np.hstack([shot.picture(time) for shot in shots]))
+        half.replace(folder / FILM)
         return len(times)
 
 

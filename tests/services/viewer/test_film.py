@@ -13,6 +13,7 @@ from services.viewer.film import ALONE, BESIDE, FILM, STRIP, render
 from services.viewer.take import Part, Take
 from shared import topics as t
 from shared.clock import nanoseconds
+from shared.loop.config import Misconfigured
 from shared.messages import BaseState, Header
 from shared.wire.codec import encode
 from shared.wire.log import Heard, write_log
@@ -66,3 +67,28 @@ def test_two_are_side_by_side_and_the_shorter_one_stays(tmp_path: Path) -> None:
     scene = slice(round(0.2 * BESIDE[1]), round(0.7 * BESIDE[1]))
     change = np.abs(shown[-1][scene] - shown[-2][scene])
     assert change[:, : BESIDE[0]].mean() < 0.1 < change[:, BESIDE[0] :].mean()
+
+
+class Ending:
+    """Gives one picture, and no other one."""
+
+    end = 1.0
+
+    def __init__(self, *given: object) -> None: ...
+
+    def __enter__(self) -> Ending:
+        return self
+
+    def __exit__(self, *_: object) -> None: ...
+
+    def picture(self, time: float) -> np.ndarray:
+        if time > 0.0:
+            raise Misconfigured("rerun's viewer does not answer")
+        return np.zeros((ALONE[1], ALONE[0], 3), np.uint8)
+
+
+def test_a_viewer_that_ends_early_leaves_no_half_film(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(film, "Shot", Ending)
+    with pytest.raises(Misconfigured):
+        render([Take(tmp_path / "one.mcap", "certified", BEGIN, ())], tmp_path, rate=5.0, speed=2.0)
+    assert list(tmp_path.iterdir()) == []
