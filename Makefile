@@ -23,11 +23,13 @@ APART := --ignore tests/system --ignore tests/deploy
 COMPILE := $(BIN)/uv pip compile -q --generate-hashes --python-version 3.11 --no-emit-index-url \
 	--custom-compile-command "make lock"
 
-.PHONY: help setup demo test simulated realtime lint format bench lock clean
+ROS2DDS := build/ros2dds/release/zenoh-bridge-ros2dds
+
+.PHONY: help setup demo test simulated realtime lint format bench ros2dds lock clean
 .NOTPARALLEL:
 
 help: ## show this list
-	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 10
+	@grep -hE '^[a-z0-9]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z0-9]+):.*## /\1\t/' | expand -t 10
 
 setup: $(READY) ## make .venv with everything pinned (the other targets do it by themselves)
 
@@ -91,6 +93,18 @@ format: $(READY) ## rewrite the sources in the project's style
 
 bench: $(BENCH_READY) ## the benchmarks, as one table
 	@$(BIN)/python -m benchmarks
+
+ros2dds: $(ROS2DDS) ## build Eclipse's zenoh-bridge-ros2dds, for robots under DDS and for the tests with it
+
+$(ROS2DDS): deploy/ros2dds/Cargo.toml deploy/ros2dds/src/main.rs
+	@missing=""; for tool in cargo cmake clang; do command -v $$tool >/dev/null || missing="$$missing $$tool"; done; \
+	if [ -n "$$missing" ]; then \
+		echo "make ros2dds: no$$missing; get what is missing:" \
+			"apt-get install cmake clang libclang-dev, and cargo by rustup" >&2; exit 2; \
+	fi
+	@echo "ros2dds: building $@, which takes all cores for some minutes"
+	@cargo build --quiet --release --manifest-path $(dir $<)Cargo.toml --target-dir build/ros2dds
+	@touch $@
 
 lock: $(READY) ## pin the requirements anew
 	@echo uv | $(COMPILE) - -o $(REQUIREMENTS)/uv.txt
