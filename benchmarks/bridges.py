@@ -1,8 +1,9 @@
 """What a bridge adds to the way of a sample and of a command: ``python -m benchmarks.bridges [--quick]``.
 
-A far side that speaks as `zenoh-bridge-ros2dds` does, a real bridge, and the robot's keys at its other end. A sample is
-timed from its put to `sensor/ft`; a command from its put, with the arm at rest, to the trajectory that starts the arm.
-Beside them, in the same run, a bare message over one of the two routers, of which either way crosses two.
+A far side that speaks as `zenoh-bridge-ros2dds` does, a real bridge of ours, and the robot's keys at its other end. A
+sample is timed from its put to `sensor/ft`; a command from its put, with the arm at rest, to the trajectory that starts
+the arm. Beside them, in the same run, a bare message over one of the two routers, of which either way crosses two; and,
+where `make ros2dds` has built it, the same with a far side in DDS and the real `zenoh-bridge-ros2dds` before it.
 """
 
 from __future__ import annotations
@@ -28,6 +29,9 @@ from shared.wire.client import Client
 from shared.wire.zenoh import ZenohBus
 from tests.services.bridge_ros2 import peer
 from tests.services.bridge_ros2.far import FarNetwork
+from tests.services.bridge_ros2.far_dds import FarDomain
+from tests.support import ros2dds
+from tests.support.dds import free_domain
 from tests.support.ports import free_endpoint, open_session
 from tests.support.processes import Processes
 from tests.support.wait import eventually
@@ -38,12 +42,13 @@ ARM = PROFILE.controllers["arm"]
 CREEP = 0.004  # [m/s]: the arm is where it was, for those who are not told that it moved
 PATIENCE = 30.0  # [s]
 _HEADER = "wrist_right_ft_link"
+Network = FarNetwork | FarDomain
 
 
 class Robot:
     """Tells joint states, odometry and a wrench whose x force counts the samples; notes when each was put [ns]."""
 
-    def __init__(self, network: FarNetwork) -> None:
+    def __init__(self, network: Network) -> None:
         self.put: dict[int, int] = {}
         self._network = network
         for topic, kind in PROFILE.heard().items():
@@ -77,14 +82,20 @@ class Robot:
 
 
 @contextmanager
-def _bridged() -> Iterator[tuple[Robot, FarNetwork, Client]]:
-    """A far side, a bridge that may move it, and a client at the keys of the contract."""
+def _bridged(real: bool) -> Iterator[tuple[Robot, Network, Client]]:
+    """A far side, ``real`` if it is one in DDS, a bridge that may move it, and a client at the keys of the contract."""
     own, far = free_endpoint(), free_endpoint()
     with TemporaryDirectory() as folder, Processes(Path(folder)) as processes:
         processes.router(own)
-        processes.router(far)
+        if real:
+            domain = free_domain()
+            ros2dds.bridge(processes.start, Path(folder), domain, far)
+            side: Network = FarDomain(domain, far)
+        else:
+            processes.router(far)
+            side = FarNetwork(far, "ros2dds")
         settings = (f'far="{far}"', "require_enable=false")
-        with closing(FarNetwork(far, "ros2dds")) as network, closing(Robot(network)) as robot:
+        with closing(side) as network, closing(Robot(network)) as robot:
             options = [part for setting in settings for part in ("--set", setting)]
             processes.start("services.bridge_ros2", "--connect", own, *options)
             with closing(ZenohBus(connect=own)) as bus:
@@ -108,7 +119,7 @@ def _samples(robot: Robot, client: Client, seconds: float) -> list[float]:
     return ways[:]
 
 
-def _commands(network: FarNetwork, client: Client, count: int) -> list[float]:
+def _commands(network: Network, client: Client, count: int) -> list[float]:
     """Ways of commands that start the arm [ms], forth and back in turns."""
     state = client.watch(STATE_ROBOT)
     eventually(lambda: state.latest, PATIENCE, "the bridge speaks")
@@ -167,16 +178,15 @@ def rows(quick: bool) -> list[Row]:
     """Median and 99th percentile of each way."""
     seconds, count = (3.0, 10) if quick else (20.0, 60)
     relayed = _relayed(seconds)
-    with _bridged() as (robot, network, client):
-        samples = _samples(robot, client, seconds)
-        commands = _commands(network, client, count)
+    told = [("a bare message over one router", relayed)]
+    for real in (False, True) if ros2dds.find().is_file() else (False,):
+        with _bridged(real) as (robot, network, client):
+            name = "bridge_ros2 and zenoh-bridge-ros2dds" if real else "bridge_ros2"
+            told.append((f"{name}: sample to sensor/ft", _samples(robot, client, seconds)))
+            told.append((f"{name}: command to the arm's trajectory", _commands(network, client, count)))
     return [
         shown(f"{what}, {name}", float(np.quantile(ways, share)), "ms", COMMAND, f"{len(ways)} messages")
-        for what, ways in (
-            ("a bare message over one router", relayed),
-            ("bridge_ros2: sample to sensor/ft", samples),
-            ("bridge_ros2: command to the arm's trajectory", commands),
-        )
+        for what, ways in told
         for name, share in (("p50", 0.5), ("p99", 0.99))
     ]
 

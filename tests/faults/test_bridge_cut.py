@@ -11,12 +11,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
 
 import pytest
 
 from shared.topics import STATE_JOINTS
 from tests.conftest import StartProcess
-from tests.faults import test_bridge_ros1, test_bridge_ros2
+from tests.faults import test_bridge_ros1, test_bridge_ros2, test_bridge_ros2dds
+from tests.faults.test_bridge_ros2 import ARM_WITHIN, BASE_WITHIN, SAMPLE, last_motion
 from tests.support import far_machine, ros1
 from tests.support.elsewhere import Elsewhere
 from tests.support.far_machine import FarMachine
@@ -25,8 +28,6 @@ from tests.support.ros1 import RosNode
 from tests.support.wait import eventually
 
 pytestmark = [pytest.mark.processes, pytest.mark.slow, pytest.mark.timeout(300)]
-ARM_WITHIN, BASE_WITHIN = 0.25, 0.5  # [s] after which all is at rest
-SAMPLE, RESTS = 0.02, 0.005  # [s], [rad/s, m/s]
 MENDED = 0.5, 2.0
 """[s] after which the cable is whole again: while TCP would still deliver what it could not, and after that."""
 TOLD = 2.0  # [s] for which the robot is looked at afterwards
@@ -62,11 +63,6 @@ def cut(far: FarMachine, port: int, mended: float, arm: Speeds, base: Speeds) ->
     assert took[0] < ARM_WITHIN + SAMPLE and took[1] < BASE_WITHIN + SAMPLE
 
 
-def last_motion(speeds: list[float]) -> float:
-    """Time [s] until it is at rest for good."""
-    return SAMPLE * max((number + 1 for number, speed in enumerate(speeds) if speed > RESTS), default=0)
-
-
 def test_a_robot_of_ros_1_that_is_cut_off_rests_and_does_not_go_on_by_itself(
     far: FarMachine, port: int, start: StartProcess, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -90,10 +86,12 @@ def test_a_robot_of_ros_1_that_is_cut_off_rests_and_does_not_go_on_by_itself(
             scene.set_off()
 
 
+@pytest.mark.parametrize("under", ["rmw_zenoh", "dds"])
 def test_a_robot_of_ros_2_that_is_cut_off_rests_and_does_not_go_on_by_itself(
-    far: FarMachine, port: int, start: StartProcess
+    far: FarMachine, port: int, start: StartProcess, tmp_path: Path, under: str
 ) -> None:
-    scene = test_bridge_ros2.Scene(f"tcp/{far.here}:{port}", start, far.here, far.within)
+    make = test_bridge_ros2.Scene if under == "rmw_zenoh" else partial(test_bridge_ros2dds.DomainScene, tmp_path)
+    scene = make(f"tcp/{far.here}:{port}", start, far.here, far.within)
     witness = scene.witness
     try:
         with scene.around:

@@ -15,7 +15,7 @@ import pytest
 from shared.robot.profile import PROFILES
 from tests.conftest import Router, StartProcess
 from tests.faults import test_bridge_ros2
-from tests.faults.test_bridge_cut import ARM_WITHIN, RESTS, SAMPLE
+from tests.faults.test_bridge_ros2 import ARM_WITHIN, SAMPLE, last_motion
 from tests.services.bridge_ros2.far import FarNetwork
 from tests.support.wait import eventually
 
@@ -61,7 +61,7 @@ def let_go(device: Device, speeds: Callable[[], list[float]], pressed: bool | No
     device.pressed, begun = pressed, len(speeds())
     eventually(lambda: len(speeds()) - begun > TOLD / SAMPLE, 60.0, "the robot tells on")
     after = speeds()[begun:]
-    took = SAMPLE * max((number + 1 for number, speed in enumerate(after) if speed > RESTS), default=0)
+    took = last_motion(after)
     print(f"{'let go' if pressed is False else 'silent'}: arm at rest after {took:.2f} s")
     assert took < within + SAMPLE
 

@@ -8,13 +8,15 @@ from collections.abc import Callable
 
 from cyclonedds.core import Listener
 from cyclonedds.domain import DomainParticipant
+from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
+from cyclonedds.util import duration
 
-from services.ros_robot.dds import RELIABLE
 from services.ros_robot.dds_types import Encoded, topic
 
 _DOMAINS = range(1, 100)  # their ports lie below those that the system gives away
 _PORTS = 250  # of each domain, from 7400 on
+_EVERY_ONE = Qos(Policy.Reliability.Reliable(duration(milliseconds=100)), Policy.History.KeepAll)
 
 
 def free_domain() -> int:
@@ -34,9 +36,10 @@ def reader(participant: DomainParticipant, name: str, kind: str, heard: Callable
     """A reader of a topic, by its name in DDS, that hands over each message in a thread of its own."""
 
     class Hear(Listener):
-        def on_data_available(self, reader: DataReader[Encoded]) -> None:
-            for sample in reader.take(N=10):
+        def on_data_available(self, reader: DataReader[Encoded] | None) -> None:
+            # None if it has been deleted meanwhile.
+            for sample in reader.take(N=10) if reader else ():
                 if isinstance(sample, Encoded):
                     heard(sample.data)
 
-    return DataReader(participant, topic(participant, name, kind), RELIABLE, Hear())
+    return DataReader(participant, topic(participant, name, kind), _EVERY_ONE, Hear())

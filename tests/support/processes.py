@@ -36,19 +36,20 @@ class Process:
         """Starts the process.
 
         Args:
-            module: such as ``services.wrench``, or the absolute path of a script.
+            module: such as ``services.wrench``, or the absolute path of a script or program.
             arguments: its command line.
             output: the file that standard output and standard error go to.
             environment: added to this process' environment, from which TANDEM_* is removed.
-            python: the interpreter.
+            python: the interpreter; empty for a program, which needs none.
             within: what its command begins with, such as another machine's.
         """
         inherited = {name: value for name, value in os.environ.items() if not name.startswith("TANDEM_")}
         self.module = module
         self._output = output
+        by = ([python] if python else []) + ([] if module.startswith("/") else ["-m"])
         with output.open("wb") as sink:
             self._process = subprocess.Popen(
-                [*within, python, *([] if module.startswith("/") else ["-m"]), module, *arguments],
+                [*within, *by, module, *arguments],
                 cwd=ROOT,
                 env={**inherited, "PYTHONUNBUFFERED": "1", **(environment or {})},
                 stdin=subprocess.DEVNULL,

@@ -1,5 +1,6 @@
-"""The load experiment through real processes and rmw_zenoh: bridge, and the simulated robot that speaks it.
+"""The load experiment through real processes and ROS 2: bridge, and the simulated robot, under rmw_zenoh or DDS.
 
+Before the one under DDS stands the real zenoh-bridge-ros2dds.
 What fails for a machine that is too busy is not judged by the experiment itself; in simulated time all of it is, see
 test_load_through_bridge.py.
 """
@@ -16,7 +17,7 @@ from shared.topics import STATE_ROBOT, STOP
 from shared.wire.client import Client
 from shared.wire.zenoh import ZenohBus
 from tests.conftest import Router, StartProcess
-from tests.support import ros1, ros2
+from tests.support import ros1, ros2, ros2dds
 from tests.support.verdicts import FAILED, NOT_JUDGED, PASSED, failed
 from tests.support.wait import eventually, throughout
 
@@ -26,17 +27,24 @@ READY = 60.0  # [s]
 PLAYED = 150.0  # [s]
 
 
-def test_no_claim_of_the_load_experiment_fails(router: Router, start: StartProcess, tmp_path: Path) -> None:
+@pytest.mark.parametrize("dialect", ["rmw_zenoh", "ros2dds"])
+def test_no_claim_of_the_load_experiment_fails(
+    router: Router, start: StartProcess, tmp_path: Path, dialect: str
+) -> None:
     def on_the_bus(module: str, *options: str, **environment: str) -> None:
         start(module, "--connect", router.endpoint, *options, environment=environment)
 
-    environment = ros2.robot(start, router.endpoint, rate=ros1.USUAL)
+    environment = (
+        ros2.robot(start, router.endpoint, rate=ros1.USUAL)
+        if dialect == "rmw_zenoh"
+        else ros2dds.robot(start, tmp_path, router.endpoint, ros1.USUAL)
+    )
     settings = start("services.experiment", "settings", "load", "--run", RUN)
     assert settings.wait() == PASSED
     config = tmp_path / "load.toml"
     config.write_text(settings.output, encoding="utf-8")
     on_the_bus(
-        "services.bridge_ros2", *("--set", 'dialect="rmw_zenoh"', "--set", "require_enable=false"), **environment
+        "services.bridge_ros2", *("--set", f'dialect="{dialect}"', "--set", "require_enable=false"), **environment
     )
     for name in ("wrench", "controller"):
         on_the_bus(f"services.{name}", "--config", str(config))

@@ -22,11 +22,12 @@ class FarNetwork:
     """Publishes and subscribes as one of the two dialects does; whatever arrives is kept.
 
     Attributes:
+        endpoint: of the router, for a bridge of ours.
         received: payload and attachment of each message, by topic.
     """
 
     def __init__(self, endpoint: str, dialect: str) -> None:
-        self.dialect = dialect
+        self.endpoint, self.dialect = endpoint, dialect
         config = zenoh.Config()
         for name, value in (
             ("mode", "client"),
@@ -39,6 +40,7 @@ class FarNetwork:
         self.session = zenoh.open(config)
         self.received: dict[str, list[tuple[bytes, bytes | None]]] = defaultdict(list)
         self._publishers: dict[str, Any] = {}
+        self._watched: dict[str, zenoh.Publisher] = {}
         self._tokens: dict[str, Any] = {}
         self._node = NodeEntity(0, str(self.session.info.zid()), 0, "robot")
         self._identity, self._number = os.urandom(16), 0
@@ -51,21 +53,22 @@ class FarNetwork:
 
     def advertise(self, topic: str, kind: str, latched: bool = False) -> None:
         key = self.key(topic, kind)
-        self._token(topic, kind, EntityKind.PUBLISHER)
-        self._publishers[topic] = (
-            ext.declare_advanced_publisher(
-                self.session, key, cache=ext.CacheConfig(max_samples=1), publisher_detection=True
+        self._token(topic, kind, EntityKind.PUBLISHER, ":1:1:" if latched else ":1::0,10")
+        # What is latched does not tell itself who listens.
+        self._publishers[topic] = self._watched[topic] = self.session.declare_publisher(key)
+        if latched:
+            # The one keeps more than the last word, for the case that several say it.
+            kept = ext.CacheConfig(max_samples=10 if self.dialect == "ros2dds" else 1)
+            self._publishers[topic] = ext.declare_advanced_publisher(
+                self.session, key, cache=kept, publisher_detection=True
             )
-            if latched
-            else self.session.declare_publisher(key)
-        )
 
     def listen(self, topic: str, kind: str) -> None:
         def keep(sample: zenoh.Sample) -> None:
             attached = sample.attachment
             self.received[topic].append((sample.payload.to_bytes(), attached.to_bytes() if attached else None))
 
-        self._token(topic, kind, EntityKind.SUBSCRIPTION)
+        self._token(topic, kind, EntityKind.SUBSCRIPTION, ":1::1,0")
         self._kept.append(self.session.declare_subscriber(self.key(topic, kind), keep))
 
     def publish(self, topic: str, payload: bytes) -> None:
@@ -78,16 +81,17 @@ class FarNetwork:
         self._tokens.pop(topic).undeclare()
 
     def wanted(self, topic: str) -> bool:
-        return bool(self._publishers[topic].matching_status.matching)
+        return bool(self._watched[topic].matching_status.matching)
 
     def close(self) -> None:
         self.session.close()
 
-    def _token(self, topic: str, kind: str, role: EntityKind) -> None:
+    def _token(self, topic: str, kind: str, role: EntityKind, quality: str) -> None:
+        """Declare the token of an end, with the quality of service that it has in DDS."""
         if self.dialect == "ros2dds":
             names = f"{topic.lstrip('/')}/{role.value}".split("/")
             ke, what = "§".join(names[:-1]), kind.replace("/", "§")
-            key = f"@/{self.session.info.zid()}/@ros2_lv/{role.value}/{ke}/{what}/:::"
+            key = f"@/{self.session.info.zid()}/@ros2_lv/{role.value}/{ke}/{what}/{quality}"
         else:
             end = EndpointEntity(self._node, len(self._tokens) + 1, role, topic, ros2_to_dds_type(kind), HUMBLE, _QOS)
             key = keyexpr.endpoint_liveliness_keyexpr(end)

@@ -1,9 +1,13 @@
-"""The far side over a real router, in both dialects: what it hears, what it sends, and what it says of the robot."""
+"""The far side in both dialects: what it hears, what it sends, and what it says of the robot.
+
+Over a real router with a stand-in at its other end, and in a domain of DDS with the real zenoh-bridge-ros2dds.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +21,9 @@ from shared.robot.profile import Profile
 from tests.conftest import Router, StartProcess
 from tests.services.bridge_ros2 import peer
 from tests.services.bridge_ros2.far import FarNetwork
+from tests.services.bridge_ros2.far_dds import FarDomain
+from tests.support import ros2dds
+from tests.support.dds import free_domain
 from tests.support.ports import free_endpoint
 from tests.support.wait import eventually, throughout
 
@@ -25,21 +32,29 @@ PROFILE = Profile.load("tiago-ros2")
 STOP, CAMERA = PROFILE.emergency_stop, PROFILE.camera
 assert STOP is not None and CAMERA is not None
 HEADER = peer.Header(peer.Time(1, 2), "")
+Far = FarNetwork | FarDomain
 Make = Callable[..., Ros2Robot]
 
 
-@pytest.fixture(params=["ros2dds", "rmw_zenoh"])
-def far(request: pytest.FixtureRequest, shared_router: Router) -> Iterator[FarNetwork]:
-    with closing(FarNetwork(shared_router.endpoint, request.param)) as network:
+@pytest.fixture(params=["ros2dds", "rmw_zenoh", "zenoh-bridge-ros2dds"])
+def far(request: pytest.FixtureRequest, start: StartProcess, tmp_path: Path) -> Iterator[Far]:
+    if request.param == "zenoh-bridge-ros2dds":
+        domain = free_domain()
+        _, endpoint = ros2dds.bridge(start, tmp_path, domain)
+        with closing(FarDomain(domain, endpoint)) as nodes:
+            yield nodes
+        return
+    router: Router = request.getfixturevalue("shared_router")
+    with closing(FarNetwork(router.endpoint, request.param)) as network:
         yield network
 
 
 @pytest.fixture
-def make(far: FarNetwork, shared_router: Router) -> Iterator[Make]:
+def make(far: Far) -> Iterator[Make]:
     made: list[Ros2Robot] = []
 
     def robot(**options: object) -> Ros2Robot:
-        parameters = BridgeRos2Parameters.of({"far": shared_router.endpoint, "dialect": far.dialect, **options})
+        parameters = BridgeRos2Parameters.of({"far": far.endpoint, "dialect": far.dialect, **options})
         made.append(Ros2Robot(PROFILE, parameters))
         return made[-1]
 
@@ -48,11 +63,11 @@ def make(far: FarNetwork, shared_router: Router) -> Iterator[Make]:
         each.close()
 
 
-def joints(position: float) -> bytes:
-    return peer.JointState(HEADER, ["torso_lift_joint"], [position], [0.0], [0.0]).serialize()
+def joints(*position: float) -> bytes:
+    return peer.JointState(HEADER, ["torso_lift_joint"], [*position], [0.0], [0.0]).serialize()
 
 
-def whole(far: FarNetwork) -> None:
+def whole(far: Far) -> None:
     """The robot is as its profile says."""
     for topic, kind in PROFILE.heard().items():
         far.advertise(topic, kind, latched=topic == STOP.topic)
@@ -60,7 +75,7 @@ def whole(far: FarNetwork) -> None:
         far.listen(topic, kind)
 
 
-def test_what_is_said_is_heard(far: FarNetwork, make: Make) -> None:
+def test_what_is_said_is_heard(far: Far, make: Make) -> None:
     topic = PROFILE.joints.topic
     far.advertise(topic, "sensor_msgs/msg/JointState")
     robot = make()
@@ -70,14 +85,15 @@ def test_what_is_said_is_heard(far: FarNetwork, make: Make) -> None:
     heard = eventually(robot.joints)
     assert (heard.message.position.tolist(), heard.number, heard.stamp) == ([0.2], 1, 1_000_000_002)
     assert bool(heard.sender) is (far.dialect == "rmw_zenoh")
-    far.publish(topic, b"nonsense")
+    # DDS itself keeps what is no message of a type from leaving.
+    far.publish(topic, joints())
     eventually(lambda: robot.joints() and robot.refusals())
-    assert "1 refused, the last one: 8 bytes are no sensor_msgs/msg/JointState" in robot.refusals()[topic]
+    assert robot.refusals()[topic].startswith("1 refused, the last one: position has 0 elements")
     far.publish(topic, joints(0.3))
     eventually(lambda: robot.joints().message.position[0] == 0.3)
 
 
-def test_commands_arrive_as_the_peer_writes_them(far: FarNetwork, make: Make) -> None:
+def test_commands_arrive_as_the_peer_writes_them(far: Far, make: Make) -> None:
     head, base = PROFILE.controllers["head"].topic, PROFILE.base.topic
     far.listen(head, "trajectory_msgs/msg/JointTrajectory")
     far.listen(base, "geometry_msgs/msg/Twist")
@@ -100,7 +116,7 @@ def test_commands_arrive_as_the_peer_writes_them(far: FarNetwork, make: Make) ->
     assert "1 not sent, the last one: position is not finite" in robot.refusals()[head]
 
 
-def test_a_late_bridge_learns_that_the_emergency_stop_is_pressed(far: FarNetwork, make: Make) -> None:
+def test_a_late_bridge_learns_that_the_emergency_stop_is_pressed(far: Far, make: Make) -> None:
     far.advertise(STOP.topic, STOP.type, latched=True)
     far.publish(STOP.topic, peer.Bool(True).serialize())
     robot = make()
@@ -109,7 +125,21 @@ def test_a_late_bridge_learns_that_the_emergency_stop_is_pressed(far: FarNetwork
     eventually(lambda: not robot.emergency())
 
 
-def test_it_is_ready_when_all_is_there(far: FarNetwork, make: Make) -> None:
+@pytest.mark.parametrize("pressed", [True, False])
+def test_a_bridge_that_was_away_learns_the_last_word_on_the_emergency_stop(far: Far, make: Make, pressed: bool) -> None:
+    far.advertise(STOP.topic, STOP.type, latched=True)
+    far.publish(STOP.topic, peer.Bool(not pressed).serialize())
+    before = make()
+    eventually(lambda: bool(before.emergency()) is not pressed and far.wanted(STOP.topic))
+    before.close()
+    eventually(lambda: not far.wanted(STOP.topic))
+    far.publish(STOP.topic, peer.Bool(pressed).serialize())
+    robot = make()
+    eventually(lambda: bool(robot.emergency()) is pressed and far.wanted(STOP.topic))
+    throughout(lambda: bool(robot.emergency()) is pressed, 0.5)
+
+
+def test_it_is_ready_when_all_is_there(far: Far, make: Make) -> None:
     robot = make()
     eventually(lambda: "no ROS 2 node is to be seen at tcp/" in robot.ready())
     far.listen("/somewhere", "std_msgs/msg/Bool")
@@ -123,7 +153,7 @@ def test_it_is_ready_when_all_is_there(far: FarNetwork, make: Make) -> None:
     eventually(lambda: "the profile says geometry_msgs/msg/WrenchStamped" in "".join(robot.mismatches()))
 
 
-def test_pictures_are_subscribed_to_only_while_they_are_wanted(far: FarNetwork, make: Make) -> None:
+def test_pictures_are_subscribed_to_only_while_they_are_wanted(far: Far, make: Make) -> None:
     far.advertise(CAMERA.image, "sensor_msgs/msg/Image")
     far.advertise(PROFILE.joints.topic, "sensor_msgs/msg/JointState")
     robot = make()
@@ -136,7 +166,7 @@ def test_pictures_are_subscribed_to_only_while_they_are_wanted(far: FarNetwork, 
     eventually(lambda: not far.wanted(CAMERA.image))
 
 
-def test_who_only_reads_commands_nothing(far: FarNetwork, make: Make) -> None:
+def test_who_only_reads_commands_nothing(far: Far, make: Make) -> None:
     whole(far)
     robot = make(read_only=True)
     eventually(lambda: not robot.ready())
