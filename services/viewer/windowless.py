@@ -56,13 +56,15 @@ class Windowless:
         command = [str(program), source, "--headless", "--hide-welcome-screen", "--bind", "127.0.0.1"]
         command += ["--port", str(port), "--window-size", f"{size[0]}x{size[1] + _BAR}"]
         self._said = tempfile.TemporaryFile()  # noqa: SIM115 closed by close()
+        # Mesa compiles its shaders anew for each picture where it may not keep them, as in a container's home.
+        self._kept = tempfile.TemporaryDirectory()
         # With CI it reports nothing to its makers; what it warns of would stand in its pictures.
         self._process = subprocess.Popen(
             tethered(command),
             stdin=subprocess.DEVNULL,
             stdout=self._said,
             stderr=self._said,
-            env={**os.environ, "CI": "1", "RUST_LOG": "error"},
+            env={**os.environ, "CI": "1", "RUST_LOG": "error", "MESA_SHADER_CACHE_DIR": self._kept.name},
             process_group=0,
         )
         try:
@@ -123,6 +125,7 @@ class Windowless:
             self._process.kill()
             self._process.wait()
         self._said.close()
+        self._kept.cleanup()
 
     def __enter__(self) -> Self:
         return self

@@ -6,6 +6,7 @@ import os
 import random
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -45,6 +46,19 @@ def test_a_picture_shows_the_time_that_was_asked_for(stream: Stream) -> None:
         pictures = [viewer.picture(second + 0.5) for second in asked]
     assert {picture.shape for picture in pictures} == {(SIZE[1], SIZE[0], 3)}
     assert [round(picture[120, 160].mean() / 16.0) for picture in pictures] == asked
+
+
+def test_shaders_are_kept_where_nobody_has_a_home(
+    stream: Stream, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    vulkan.wanted()
+    monkeypatch.setenv("HOME", "/proc")
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    with Windowless(stream.uri, SIZE, GREYS - 1.0) as viewer:
+        viewer.picture(1.0)
+        assert any(path.is_file() for path in tmp_path.rglob("*"))
+    assert not list(tmp_path.iterdir())
 
 
 def test_nothing_is_left_of_it_and_one_that_was_killed_is_told(stream: Stream) -> None:
