@@ -57,5 +57,5 @@ def test_without_the_package_the_remedy_is_named(cache: Path, monkeypatch: pytes
         raise importlib.metadata.PackageNotFoundError(name)
 
     monkeypatch.setattr(importlib.metadata, "version", absent)
-    with pytest.raises(Missing, match=r"pip install 'tandem\[viewer\]'"):
+    with pytest.raises(Missing, match=r"pip install '\.\[viewer\]' in its checkout"):
         files()
