@@ -15,7 +15,8 @@ from services.bridge_ros1.node import EVERY, Ear, Node
 from services.bridge_ros1.sensors import EmergencyStop, Newest
 from services.bridge_ros1.switching import Switching
 from shared.robot import ros_messages as ros
-from shared.robot.far_side import Calibration, Heard, Joints, Odometry, Picture, TrajectoryPoint, Wrench
+from shared.robot.far_side import Calibration, Heard, Picture, TrajectoryPoint
+from shared.robot.heard_topics import HeardTopics
 from shared.robot.profile import Profile
 from shared.spatial import Array
 
@@ -25,7 +26,7 @@ NODE = "tandem"
 """Name of the node, in front of what makes it unique."""
 
 
-class Ros1Robot:
+class Ros1Robot(HeardTopics):
     """A ``FarSide``.
 
     Args:
@@ -40,8 +41,8 @@ class Ros1Robot:
 
     def __init__(self, profile: Profile, read_only: bool = False, master: str = "", ports: int = 0) -> None:
         find_rospy()
-        self._profile = profile
         self._newest = {topic: Newest(read) for topic, read in ros.readers(profile)}
+        super().__init__(profile, self._newest)
         self._emergency = EmergencyStop(profile.emergency_stop.pressed if profile.emergency_stop else True)
         self._picture_wanted = False
         self._ears = self._all_ears()
@@ -52,16 +53,6 @@ class Ros1Robot:
         self._node = Node(
             self._master, NODE, self._ears, list(self._outlets.values()), self._look, self._switching.back, ports
         )
-
-    def joints(self) -> Heard[Joints] | None:
-        return self._newest[self._profile.joints.topic].heard
-
-    def wrench(self) -> Heard[Wrench] | None:
-        return self._newest[self._profile.wrench.topic].heard
-
-    def odometry(self) -> Heard[Odometry] | None:
-        base = self._profile.base
-        return self._newest[base.odometry].heard if base else None
 
     def picture(self, wanted: bool) -> tuple[Heard[Picture], Heard[Calibration]] | None:
         camera = self._profile.camera
@@ -75,10 +66,6 @@ class Ros1Robot:
 
     def emergency(self) -> str:
         return self._emergency.pressed_by()
-
-    def pressed(self) -> Heard[bool] | None:
-        enable = self._profile.enable
-        return self._newest[enable.topic].heard if enable else None
 
     def move(self, controller: str, points: Sequence[TrajectoryPoint]) -> None:
         row = self._profile.controllers[controller]
@@ -103,7 +90,7 @@ class Ros1Robot:
         return [line for line, looks in self._looks.items() if looks * EVERY > SETTLED]
 
     def refusals(self) -> Mapping[str, str]:
-        told = {topic: newest.refusals for topic, newest in self._newest.items()}
+        told = self._refused()
         told |= {topic: outlet.failures for topic, outlet in self._outlets.items()}
         return {topic: text for topic, text in told.items() if text}
 

@@ -12,12 +12,13 @@ from services.bridge_ros2.parameters import BridgeRos2Parameters
 from services.bridge_ros2.sensors import EmergencyStop, Newest
 from shared.parameters import Refused
 from shared.robot import ros_messages as ros
-from shared.robot.far_side import Calibration, Heard, Joints, Odometry, Picture, TrajectoryPoint, Wrench
+from shared.robot.far_side import Calibration, Heard, Picture, TrajectoryPoint
+from shared.robot.heard_topics import HeardTopics
 from shared.robot.profile import Profile
 from shared.spatial import Array
 
 
-class Ros2Robot:
+class Ros2Robot(HeardTopics):
     """A ``FarSide``; one thread asks and commands it.
 
     Args:
@@ -33,9 +34,9 @@ class Ros2Robot:
             raise Refused(
                 f"robot profile {profile.name} is of {profile.middleware}: services.bridge_{profile.middleware}"
             )
-        self._profile, self._parameters = profile, parameters
-        self._kinds = profile.heard()
+        self._parameters, self._kinds = parameters, profile.heard()
         self._newest = {topic: Newest(self._kinds[topic], read) for topic, read in ros.readers(profile)}
+        super().__init__(profile, self._newest)
         stop = profile.emergency_stop
         self._emergency = EmergencyStop(stop.type, stop.pressed) if stop else None
         self._wants_picture = False
@@ -46,16 +47,6 @@ class Ros2Robot:
         self._network = Network(
             parameters.endpoint, parameters.named(), list(self._ears()), self._commanded, self._on_graph
         )
-
-    def joints(self) -> Heard[Joints] | None:
-        return self._newest[self._profile.joints.topic].heard
-
-    def wrench(self) -> Heard[Wrench] | None:
-        return self._newest[self._profile.wrench.topic].heard
-
-    def odometry(self) -> Heard[Odometry] | None:
-        base = self._profile.base
-        return self._newest[base.odometry].heard if base else None
 
     def picture(self, wanted: bool) -> tuple[Heard[Picture], Heard[Calibration]] | None:
         camera = self._profile.camera
@@ -72,10 +63,6 @@ class Ros2Robot:
 
     def emergency(self) -> str:
         return self._emergency.pressed_by() if self._emergency else ""
-
-    def pressed(self) -> Heard[bool] | None:
-        enable = self._profile.enable
-        return self._newest[enable.topic].heard if enable else None
 
     def move(self, controller: str, points: Sequence[TrajectoryPoint]) -> None:
         row = self._profile.controllers[controller]
@@ -112,7 +99,7 @@ class Ros2Robot:
         ]
 
     def refusals(self) -> Mapping[str, str]:
-        told = {topic: newest.refusals for topic, newest in self._newest.items()}
+        told = self._refused()
         if self._profile.emergency_stop and self._emergency:
             told[self._profile.emergency_stop.topic] = self._emergency.refusals
         told |= {topic: f"{count} not sent, the last one: {why}" for topic, (count, why) in self._unsent.items()}
