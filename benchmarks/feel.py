@@ -1,4 +1,4 @@
-"""What carrying with the robot feels like, law by law: ``python -m benchmarks.feel [--seeds FIRST-LAST] [--jobs N]``.
+"""What carrying with the robot feels like, law by law: ``python -m benchmarks.feel [--carries N] [--jobs N]``.
 
 The carry of `tandem run carry`, with the base, in simulated time, a few times with other noise. All figures are of the
 parts in which the person guides the robot, by the simulation's own account; docs/feel.md says whose definitions they
@@ -31,8 +31,6 @@ from services.experiment.measure.series import at, rate
 from services.experiment.play.recording import Recording
 from shared.spatial import Array
 
-MINIMUM_JERK = -5.32
-"""Log dimensionless jerk of one movement of least jerk, ``-ln(204.8)``, whatever its way and time."""
 WINDOW = 0.3
 """[s] over which a cubic is fitted for speed and jerk: what shakes faster is not counted."""
 
@@ -129,7 +127,7 @@ def feel(recording: Recording) -> Feel:
     pushes = np.linalg.norm(motion.push[:, :2], axis=1)
     over = (wrenches.load > 1.0).any(axis=1)
     judged = np.interp(wrenches.time, motion.time, guiding) > 0.5
-    ways = [_translation(motion, one, force) for one in found.followed if one.way != "roll" and one.start == one.start]
+    ways = [_translation(motion, one, force) for one in found.followed if one.way != "roll" and not np.isnan(one.start)]
     interaction, wish, hands, tool = np.mean(ways, axis=0) if ways else [float("nan")] * 4
     return Feel(
         force=float((pushes * lasts)[guiding].sum() / lasts[guiding].sum()),
@@ -175,17 +173,16 @@ def play(job: tuple[str, int]) -> tuple[str, Feel]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Play the carries and print median and range of each figure."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.feel", description=__doc__)
-    parser.add_argument("--seeds", default="0-4", metavar="FIRST-LAST", help="of the noise")
+    parser.add_argument("--carries", type=int, default=3, help="under each law, with other noise (default %(default)s)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes at a time")
     options = parser.parse_args(arguments)
-    first, _, last = options.seeds.partition("-")
-    jobs = [(law, seed) for law in protocol.LAWS for seed in range(int(first), int(last or first) + 1)]
+    jobs = [(law, seed) for law in protocol.LAWS for seed in range(options.carries)]
     results: dict[str, list[Feel]] = {law: [] for law in protocol.LAWS}
     with get_context("spawn").Pool(options.jobs, maxtasksperchild=4) as pool:
         for number, (law, found) in enumerate(pool.imap_unordered(play, jobs), 1):
             results[law].append(found)
             print(f"{number}/{len(jobs)} {law}: {found}", file=sys.stderr, flush=True)
-    table = Table(title=f"{len(jobs) // len(results)} carries under each law, median (least to largest)")
+    table = Table(title=f"{options.carries} carries under each law, median (least to largest)")
     for column in ("", *results):
         table.add_column(column, justify="right" if column else "left")
     for name, figure in FIGURES.items():

@@ -2,8 +2,8 @@
 
 The rounded form as it is, and with the environment's true velocity added to what yields, in the moving sets and the
 steady pulls of `benchmarks.contact.following`: from the instant at which it moves, from when its touch stands out from
-errors, and from when the wrench is where yielding begins. No estimate can be better than the last two. Delay, lag and
-acceleration stay as they are.
+errors, and from when the wrench is where yielding begins. No estimate can be better than knowing from the touch on.
+Delay, lag and acceleration stay as they are.
 """
 
 from __future__ import annotations

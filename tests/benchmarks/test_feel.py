@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchmarks.feel import MINIMUM_JERK, _longest, log_dimensionless_jerk, opposing
+from benchmarks.feel import _longest, log_dimensionless_jerk, opposing
 from shared.spatial import Array
 
 STEP = 1.0 / 30.0
+MINIMUM_JERK = -math.log(204.8)  # 720 / 1.875^2
 
 
 def least_jerk(duration: float, way: Array) -> tuple[Array, Array]:
