@@ -50,8 +50,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def stack(runs: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Compose]:
-    if why := compose.unusable():
-        (pytest.fail if os.environ.get("TANDEM_CONTAINERS") == "required" else pytest.skip)(why)
+    compose.wanted()
     override = tmp_path_factory.mktemp("compose") / "runs.yml"
     services: dict[str, Any] = {"experiment": {"volumes": [f"{runs}:/opt/tandem/runs"]}}
     services |= {name: {"healthcheck": {"interval": "5s"}} for name in ("wrench", VIEWER.name)}

@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from tests.support.ports import free_pair
 from tests.support.processes import ROOT
 
@@ -19,6 +21,12 @@ def unusable() -> str:
     if shutil.which("docker") is None or _done("docker", "info").returncode:
         return "Docker is not installed, or its engine does not run"
     return "" if _compose() else "neither docker compose nor docker-compose is installed"
+
+
+def wanted() -> None:
+    """Skips the test where there are no containers; with TANDEM_CONTAINERS=required, as in .ci/run, it fails."""
+    if why := unusable():
+        (pytest.fail if os.environ.get("TANDEM_CONTAINERS") == "required" else pytest.skip)(why)
 
 
 def _compose() -> list[str]:
